@@ -1,0 +1,34 @@
+#pragma once
+
+#include <memory>
+
+#include "sgraph_slam/core/mapping/params.hpp"
+#include "sgraph_slam/core/types/odometry.hpp"
+#include "sgraph_slam/core/types/scene.hpp"
+#include "sgraph_slam/core/types/segments.hpp"
+
+namespace sgraph {
+
+/// Fourth stage: owns the S-Graph. Associates planes, finds rooms and corridors, closes loops and optimises all layers together. Single-threaded
+/// inside; one caller at a time.
+class BackEnd {
+ public:
+  /// `T_base_lidar`: pose of the LiDAR on the robot.
+  BackEnd(const MappingParams& params, const Pose& T_base_lidar);
+  ~BackEnd();
+
+  /// Takes a keyframe and the planes seen in its cloud (same stamp), in order. Solves when the data asks for it. Returns the newest state.
+  GraphSnapshotPtr process(const Keyframe& keyframe, const PlaneSegments& segments);
+
+  /// Optimises the whole graph now and returns the result.
+  GraphSnapshotPtr optimize();
+
+  /// The newest state; never null.
+  [[nodiscard]] GraphSnapshotPtr snapshot() const;
+
+ private:
+  class Implementation;
+  std::unique_ptr<Implementation> implementation_;
+};
+
+}  // namespace sgraph

@@ -1,0 +1,57 @@
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "sgraph_slam/core/odometry/params.hpp"
+#include "sgraph_slam/core/types/cloud.hpp"
+#include "sgraph_slam/core/types/odometry.hpp"
+#include "sgraph_slam/core/types/sensor.hpp"
+
+namespace sgraph {
+
+/// Why a scan was taken or refused.
+enum class ScanVerdict {
+  accepted,
+  too_few_points,  ///< nothing to register
+  not_later,       ///< its stamp isn't after the last one's: a repeated message or clocks that jump back
+  no_odometry,     ///< `source: topic`, and the robot's odometry doesn't cover the scan
+};
+
+const char* to_string(ScanVerdict value);
+
+/// What one scan brings. With a refused scan only `verdict` counts.
+struct OdometryOutput {
+  ScanVerdict verdict = ScanVerdict::accepted;
+  OdometryEstimate live;            ///< this scan's pose, at once
+  CloudPtr deskewed;                ///< this scan as seen from the LiDAR's live pose at the stamp; never null when accepted
+  Trajectory finals;                ///< final poses that became known with this scan (of the scan before), in order
+  std::vector<Keyframe> keyframes;  ///< closed with this scan, in order; usually none or one
+};
+
+/// Second stage: the only place that owns motion. Estimates the motion within and between scans (design: odometry study), keeps the local
+/// map and chooses keyframes. Not thread-safe: one caller.
+class Odometry {
+ public:
+  /// `T_base_lidar`: pose of the LiDAR on the robot.
+  Odometry(const OdometryParams& params, const Pose& T_base_lidar);
+  ~Odometry();
+  Odometry(Odometry&&) noexcept;
+  Odometry& operator=(Odometry&&) noexcept;
+
+  /// Robot odometry and inertial readings up to a scan's end must come before that scan.
+  void add(const OdometrySample& sample);
+  void add(const ImuSample& sample);
+
+  /// Takes a prefiltered scan in the LiDAR's frame, in order of stamp.
+  OdometryOutput process(const CloudPtr& scan);
+
+  /// Ends the recording: final poses and the last keyframe of what is still in the window. `live` and `deskewed` stay empty.
+  OdometryOutput finish();
+
+ private:
+  class Implementation;
+  std::unique_ptr<Implementation> implementation_;
+};
+
+}  // namespace sgraph

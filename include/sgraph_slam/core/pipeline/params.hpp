@@ -1,0 +1,25 @@
+#pragma once
+
+#include "sgraph_slam/core/mapping/params.hpp"
+#include "sgraph_slam/core/odometry/params.hpp"
+#include "sgraph_slam/core/prefilter/params.hpp"
+#include "sgraph_slam/core/segmentation/params.hpp"
+
+namespace sgraph {
+
+/// Every parameter of the package, a struct a stage.
+struct Params {
+  PrefilterParams prefilter;
+  OdometryParams odometry;
+  SegmentationParams segmentation;
+  MappingParams mapping;
+
+  void describe(ParamVisitor& v) {
+    v.group("prefilter", prefilter, "Thins a raw scan and drops what can't be a surface.");
+    v.group("odometry", odometry, "Motion of the robot, local map, keyframes.");
+    v.group("segmentation", segmentation, "Planes in a keyframe's cloud.");
+    v.group("mapping", mapping, "The S-Graph.");
+  }
+};
+
+}  // namespace sgraph

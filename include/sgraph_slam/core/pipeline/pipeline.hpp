@@ -1,0 +1,78 @@
+#pragma once
+
+#include <array>
+#include <functional>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "sgraph_slam/core/mapping/back_end.hpp"
+#include "sgraph_slam/core/odometry/odometry.hpp"
+#include "sgraph_slam/core/pipeline/params.hpp"
+#include "sgraph_slam/core/prefilter/prefilter.hpp"
+#include "sgraph_slam/core/segmentation/plane_segmenter.hpp"
+
+namespace sgraph {
+
+enum class Stage { prefilter, odometry, segmentation, mapping };
+inline constexpr std::array<Stage, 4> all_stages{Stage::prefilter, Stage::odometry, Stage::segmentation, Stage::mapping};
+const char* to_string(Stage value);
+/// Nothing when the word names no stage.
+std::optional<Stage> stage_from(const std::string& word);
+
+/// What one scan cost and brought; a row of timings.csv.
+struct ScanRecord {
+  Stamp stamp;
+  std::array<double, 4> milliseconds{};  ///< by stage; 0 where it didn't run
+  PrefilterCounts counts;
+  ScanVerdict verdict = ScanVerdict::accepted;
+  OdometryEstimate odometry;
+  bool keyframe = false;
+};
+
+/// The four stages in order on one thread: the offline program and the tests. The nodelets run the same stage objects.
+class Pipeline {
+ public:
+  Pipeline(const Params& params, const Pose& T_base_lidar, Stage until = Stage::mapping);
+
+  void add(const OdometrySample& sample) { odometry_.add(sample); }
+  void add(const ImuSample& sample) { odometry_.add(sample); }
+
+  /// Takes a raw scan in the LiDAR's frame.
+  const ScanRecord& process(const Cloud& raw);
+
+  /// Ends the recording: closes the last keyframe and optimises once more.
+  void finish();
+
+  [[nodiscard]] const std::vector<ScanRecord>& records() const { return records_; }
+  /// Base poses in the map as known when each scan had been processed.
+  [[nodiscard]] const Trajectory& live_trajectory() const { return live_; }
+  /// Base poses in odom, final (one scan late).
+  [[nodiscard]] const Trajectory& odometry_trajectory() const { return finals_; }
+  /// Base poses in the map of every scan, with what is known now. Before mapping, or without it, the odometry's final poses.
+  [[nodiscard]] Trajectory trajectory() const;
+  [[nodiscard]] GraphSnapshotPtr snapshot() const { return back_end_.snapshot(); }
+  /// All graph solves in order.
+  [[nodiscard]] const std::vector<SolveSummary>& solves() const { return solves_; }
+
+ private:
+  void take(const OdometryOutput& output, ScanRecord& record);
+
+  Stage until_;
+  Prefilter prefilter_;
+  Odometry odometry_;
+  PlaneSegmenter segmenter_;
+  BackEnd back_end_;
+  std::vector<ScanRecord> records_;
+  Trajectory live_;
+  Trajectory finals_;
+  std::vector<SolveSummary> solves_;
+  std::int64_t last_version_ = 0;
+};
+
+/// Base poses in the map of every scan that the snapshot's keyframes hold: the odometry's final poses, moved by the correction of the keyframes
+/// around each, interpolated by time so that the trajectory has no steps.
+Trajectory corrected_trajectory(const GraphSnapshot& snapshot);
+
+}  // namespace sgraph

@@ -1,0 +1,92 @@
+#pragma once
+
+#include <map>
+#include <memory>
+#include <set>
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "sgraph_slam/core/types/cloud.hpp"
+#include "sgraph_slam/core/types/ids.hpp"
+#include "sgraph_slam/core/types/plane.hpp"
+#include "sgraph_slam/core/types/pose.hpp"
+
+namespace sgraph {
+
+/// Robot tracking layer: a keyframe as the graph has it.
+struct SceneKeyframe {
+  KeyframeId id;
+  Stamp stamp;
+  Pose T_map_base;
+  Pose T_odom_base;  ///< as the odometry gave it
+  Trajectory scans;  ///< final base poses in odom of the scans since the last keyframe
+  CloudPtr cloud;    ///< LiDAR frame
+};
+
+/// Metric-semantic layer: one face of a wall, floor or ceiling.
+struct ScenePlane {
+  PlaneId id;
+  Plane plane;  ///< map frame
+  PlaneClass plane_class = PlaneClass::unclassified;
+  Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();  ///< of [two tangent angles; d], marginal where the back end has it
+  std::vector<Eigen::Vector3d> extent;                   ///< convex outline on the plane, map frame
+  std::set<KeyframeId> keyframes;                        ///< that saw it
+};
+
+/// Topological layer: four walls around a free space.
+struct SceneRoom {
+  RoomId id;
+  Eigen::Vector3d center = Eigen::Vector3d::Zero();  ///< map frame; z midway between floor and ceiling where they are known
+  Eigen::Vector2d width = Eigen::Vector2d::Zero();   ///< along the room's own x and y [m]
+  double yaw = 0;                                    ///< of the room's x axis in the map [rad]
+  std::vector<PlaneId> planes;                       ///< walls at -x, +x, -y, +y of the room
+};
+
+/// Topological layer: two walls facing each other.
+struct SceneCorridor {
+  CorridorId id;
+  Eigen::Vector3d center = Eigen::Vector3d::Zero();
+  double width = 0;             ///< between the walls, across [m]
+  double yaw = 0;               ///< of the direction along the corridor in the map [rad]
+  double length = 0;            ///< derived from the common extent of the walls; no factor holds it [m]
+  std::vector<PlaneId> planes;  ///< walls at the right and the left hand of that direction
+};
+
+/// An opening through which two places touch.
+struct SceneOpening {
+  std::string from;  ///< "room/3" or "corridor/0"
+  std::string to;
+  Eigen::Vector3d position = Eigen::Vector3d::Zero();
+};
+
+struct SolveSummary {
+  int keyframes = 0;
+  int planes = 0;
+  int factors = 0;
+  int iterations = 0;
+  double initial_cost = 0;
+  double final_cost = 0;
+  double milliseconds = 0;
+  bool converged = false;
+};
+
+/// The state of the whole graph at one moment; readers share it and nobody changes it.
+struct GraphSnapshot {
+  std::int64_t version = 0;
+  std::string frame = "map";
+  Pose T_map_odom;
+  double dominant_yaw = 0;  ///< direction of the building's walls, modulo 90 degrees [rad]
+  std::map<KeyframeId, SceneKeyframe> keyframes;
+  std::map<PlaneId, ScenePlane> planes;
+  std::map<RoomId, SceneRoom> rooms;
+  std::map<CorridorId, SceneCorridor> corridors;
+  std::vector<SceneOpening> openings;
+  std::string factors_json = "[]";  ///< serialised factors: JSON array, enough to rebuild the graph
+  SolveSummary last_solve;
+};
+
+using GraphSnapshotPtr = std::shared_ptr<const GraphSnapshot>;
+
+}  // namespace sgraph
