@@ -1,5 +1,7 @@
 #pragma once
 
+#include <string>
+
 #include "sgraph_slam/core/mapping/params.hpp"
 #include "sgraph_slam/core/odometry/params.hpp"
 #include "sgraph_slam/core/prefilter/params.hpp"
@@ -21,5 +23,8 @@ struct Params {
     v.group("mapping", mapping, "The S-Graph.");
   }
 };
+
+/// The page docs/parameters.md: every parameter with default, unit, range and meaning.
+std::string parameters_page();
 
 }  // namespace sgraph
