@@ -1,0 +1,44 @@
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "sgraph_slam/core/odometry/params.hpp"
+#include "sgraph_slam/core/types/cloud.hpp"
+#include "sgraph_slam/core/types/odometry.hpp"
+
+namespace sgraph {
+
+/// One scan whose pose will not change any more.
+struct FinalScan {
+  Stamp stamp;
+  Pose T_odom_base;
+  Matrix6 covariance = Matrix6::Zero();  ///< of the registration against the local map, base frame
+  std::vector<Vector6> degenerate;       ///< directions that it didn't hold, base frame
+  CloudPtr cloud;                        ///< LiDAR frame, motion taken out
+};
+
+/// Decides by motion and time which scans become keyframes and gives every scan to exactly one.
+class KeyframeSelector {
+ public:
+  KeyframeSelector(const KeyframeParams& params, const Pose& T_base_lidar) : params_(params), T_base_lidar_(T_base_lidar) {}
+
+  /// Takes the next final scan; returns the keyframe that it closes, if any. The first scan is always one.
+  std::optional<Keyframe> add(const FinalScan& scan);
+
+  /// Closes the last keyframe with the scans that are left, if any.
+  std::optional<Keyframe> finish();
+
+ private:
+  Keyframe close();
+  [[nodiscard]] CloudPtr merged_cloud(const FinalScan& last) const;
+
+  KeyframeParams params_;
+  Pose T_base_lidar_;
+  std::int64_t next_id_ = 0;
+  std::optional<FinalScan> previous_;  // the last keyframe's scan
+  std::vector<FinalScan> scans_;       // since then
+  double path_ = 0;                    // travelled since then [m]
+};
+
+}  // namespace sgraph

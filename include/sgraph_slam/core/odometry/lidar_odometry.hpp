@@ -1,0 +1,64 @@
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "sgraph_slam/core/odometry/motion.hpp"
+#include "sgraph_slam/core/odometry/motion_source.hpp"
+#include "sgraph_slam/core/odometry/window_solver.hpp"
+#include "sgraph_slam/core/registration/rigid_alignment.hpp"
+#include "sgraph_slam/core/registration/surface_map.hpp"
+
+namespace sgraph {
+
+/// VGICP against a local map with the motion within the scan solved together with the pose, in a window of two scans (design: odometry study). A
+/// scan's live pose comes with it, its final one with the scan after; only final scans enter the map.
+class LidarOdometry : public MotionSource {
+ public:
+  LidarOdometry(const OdometryParams& params, const Pose& T_base_lidar);
+
+  void add(const OdometrySample& sample) override;
+  void add(const ImuSample& sample) override;
+  MotionOutput process(const CloudPtr& scan) override;
+  std::vector<FinalScan> finish() override;
+
+ private:
+  struct WindowScan {
+    CloudPtr cloud;
+    double time = 0;   // of its stamp
+    double begin = 0;  // of its first and last point
+    double end = 0;
+    std::vector<Point> keypoints;
+    bool enters_map = true;                // when it leaves the window
+    Matrix6 covariance = Matrix6::Zero();  // of its pose, base frame
+    std::vector<Vector6> degenerate;
+  };
+
+  [[nodiscard]] WindowScan prepare(const CloudPtr& cloud) const;
+  void extend_knots(const WindowScan& scan);
+  void begin_map(const WindowScan& scan);
+  void bootstrap(const WindowScan& scan);
+  RigidAlignmentResult align(const WindowScan& scan);
+  WindowResult solve(const RigidAlignmentResult& alignment);
+  [[nodiscard]] std::vector<Keypoint> keypoints_in_window() const;
+  void judge(WindowScan& scan, const WindowResult& solved, const Knots& predicted);
+  [[nodiscard]] OdometryEstimate live_estimate(const WindowScan& scan, const WindowResult& solved) const;
+  FinalScan leave_window();
+  void insert(const WindowScan& scan);
+  [[nodiscard]] double noise() const;
+
+  OdometryParams params_;
+  Pose T_base_lidar_;
+  Pose T_lidar_base_;
+  SurfaceMap map_;
+  std::optional<Stamp> origin_;  // zero of the knots' time
+  Stamp last_stamp_;
+  Knots knots_;                       // of the scans in the window, and two before for the prior
+  int first_free_ = 1;                // knots before it are final
+  std::vector<VelocityPrior> prior_;  // a knot
+  std::vector<WindowScan> window_;    // one or two scans
+  bool moving_known_ = false;         // the motion during the first scan has been found
+  int untrusted_ = 0;                 // scans in a row that the map didn't explain
+};
+
+}  // namespace sgraph

@@ -1,0 +1,29 @@
+#pragma once
+
+#include <vector>
+
+#include "sgraph_slam/core/odometry/keyframe_selector.hpp"
+#include "sgraph_slam/core/odometry/odometry.hpp"
+
+namespace sgraph {
+
+/// What one scan brings from where motion is found.
+struct MotionOutput {
+  ScanVerdict verdict = ScanVerdict::accepted;
+  OdometryEstimate live;
+  CloudPtr deskewed;
+  std::vector<FinalScan> finals;  ///< scans that became final, in order
+};
+
+/// Finds the motion of scans: by registration, or from the robot's odometry.
+class MotionSource {
+ public:
+  virtual ~MotionSource() = default;
+  virtual void add(const OdometrySample& sample) = 0;
+  virtual void add(const ImuSample& sample) = 0;
+  virtual MotionOutput process(const CloudPtr& scan) = 0;
+  /// The scans that are not final yet.
+  virtual std::vector<FinalScan> finish() = 0;
+};
+
+}  // namespace sgraph

@@ -1,0 +1,53 @@
+#pragma once
+
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "sgraph_slam/core/odometry/motion.hpp"
+#include "sgraph_slam/core/registration/surface_map.hpp"
+
+namespace sgraph {
+
+/// A point to register: where the sensor saw it, and when.
+struct Keypoint {
+  Eigen::Vector3d p_lidar;
+  int segment = 0;      ///< the knots `segment` and `segment + 1` lie around it
+  double fraction = 0;  ///< 0 at the first of them, 1 at the second
+};
+
+/// How much the velocity may change from one segment to the next.
+struct VelocityPrior {
+  double rotation_sigma = 0;     ///< change of the rotation over a 50 ms step [rad]
+  double translation_sigma = 0;  ///< change of the way over a 50 ms step [m]
+};
+
+struct WindowProblem {
+  Knots knots;                       ///< in: predicted, out: solved
+  int first_free = 0;                ///< knots before this one are held
+  std::vector<VelocityPrior> prior;  ///< a knot; held at the knots 1 .. size - 2, between the segments before and after
+  std::vector<Keypoint> keypoints;
+};
+
+struct WindowOptions {
+  int iterations = 8;
+  double kernel = 0.06;      ///< scale of the robust kernel at the end [m]
+  double noise = 0.02;       ///< standard deviation of a residual [m]
+  double start_scale = 3.0;  ///< the kernel begins this much wider
+  double gate_scale = 3.0;   ///< points farther than this many kernels from a surface don't match
+};
+
+struct WindowResult {
+  double inlier_share = 0;  ///< of the last scan's keypoints within the kernel
+  double residual_rms = 0;  ///< of those [m]
+  int iterations = 0;
+  bool converged = false;
+  Eigen::MatrixXd information;       ///< of the free knots with the prior: (rotation, translation) a knot, left perturbation in odom
+  Eigen::MatrixXd data_information;  ///< the same from the points alone
+};
+
+/// Finds the knots' poses together from points on surfaces and the prior on the change of velocity: Gauss-Newton with step control (design: odometry
+/// study, section 1). Perturbation of a knot: `R <- exp(phi) R`, `t <- t + v`, in odom's axes.
+WindowResult solve_window(const SurfaceMap& map, WindowProblem& problem, const WindowOptions& options);
+
+}  // namespace sgraph

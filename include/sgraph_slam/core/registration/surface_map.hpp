@@ -1,0 +1,96 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "sgraph_slam/core/params/visitor.hpp"
+#include "sgraph_slam/core/registration/voxel_index.hpp"
+
+namespace sgraph {
+
+struct SurfaceMapParams {
+  double voxel = 1.0;
+  int levels = 3;
+  bool two_faces = true;
+  int min_points = 8;
+  int max_points = 400;
+  double flat_ratio = 0.15;
+  double flat_sigma = 0.03;
+
+  void describe(ParamVisitor& v) {
+    v.field("voxel", voxel, "m", {0.1, 10}, "Edge of the coarsest voxels.");
+    v.field("levels", levels, "", {1, 5}, "Sizes of voxels, each half of the last; a point matches the coarsest flat one.");
+    v.field("two_faces", two_faces, "Keep the two faces of a wall apart by the side that they are seen from.");
+    v.field("min_points", min_points, "", {3, 1000}, "Points that a voxel's Gaussian needs before it is used.");
+    v.field("max_points", max_points, "", {10, 100000}, "Points after which a Gaussian stops learning.");
+    v.field("flat_ratio", flat_ratio, "", {0.001, 1}, "A Gaussian is flat when its smallest variance is at most this share of the next.");
+    v.field("flat_sigma", flat_sigma, "m", {0.001, 1},
+            "... and its smallest standard deviation at most this, or 1.5 times what is usual in the map where the sensor is noisier.");
+  }
+};
+
+/// A planar patch of the map, seen from the side its normal points to.
+struct Surface {
+  Eigen::Vector3d mean = Eigen::Vector3d::Zero();
+  Eigen::Vector3d normal = Eigen::Vector3d::Zero();
+  double variance = 0;  ///< of the points along the normal [m^2]
+};
+
+/// The local map of the odometry: Gaussians in voxels of several sizes, up to two a voxel, so that a wall's two faces are never mixed up (design:
+/// odometry study, section 2). Nothing is forgotten; memory grows with the area seen and not with the number of scans.
+class SurfaceMap {
+ public:
+  explicit SurfaceMap(const SurfaceMapParams& params);
+
+  /// Takes a point in the map's frame, seen from `sensor`. It counts after `update()`.
+  void insert(const Eigen::Vector3d& point, const Eigen::Vector3d& sensor);
+
+  /// Fits what has changed enough since the last call.
+  void update();
+
+  /// The surface that `point`, seen from `sensor`, lies on: of the coarsest flat voxel around it that faces the sensor and is nearer than `gate` [m];
+  /// null when there is none.
+  [[nodiscard]] const Surface* match(const Eigen::Vector3d& point, const Eigen::Vector3d& sensor, double gate) const;
+
+  /// Typical standard deviation of points on their surface, over the map [m]: the sensor's noise as the data shows it. 0 while the map is empty.
+  [[nodiscard]] double noise() const { return noise_; }
+
+  [[nodiscard]] std::size_t voxel_count() const;
+  [[nodiscard]] bool empty() const { return voxel_count() == 0; }
+
+ private:
+  struct Face {
+    Surface surface;  // of the last fit
+    bool flat = false;
+    bool changed = false;
+    std::uint16_t count = 0;
+    std::uint16_t fitted = 0;                             // count at the last fit
+    Eigen::Vector3d sum = Eigen::Vector3d::Zero();        // relative to the origin of the voxel
+    std::array<double, 6> outer{};                        // xx xy xz yy yz zz
+    Eigen::Vector3f seen_from = Eigen::Vector3f::Zero();  // sum of unit rays to the sensor
+    float ratio = 1;                                      // smallest variance by the next
+  };
+  struct Voxel {
+    Eigen::Vector3d origin;
+    std::array<Face, 2> faces;
+  };
+  struct Level {
+    VoxelIndex index;
+    std::vector<Voxel> voxels;
+    std::vector<std::uint32_t> changed;
+  };
+
+  Face* face_for(Voxel& voxel, const Eigen::Vector3d& ray) const;
+  void fit(Face& face, const Eigen::Vector3d& origin);
+  void update_noise();
+
+  SurfaceMapParams params_;
+  std::vector<Level> levels_;
+  double noise_ = 0;
+  double flat_variance_;
+};
+
+}  // namespace sgraph

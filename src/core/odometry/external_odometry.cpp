@@ -1,0 +1,58 @@
+#include "sgraph_slam/core/odometry/external_odometry.hpp"
+
+#include <algorithm>
+
+#include "sgraph_slam/core/math/se3.hpp"
+#include "sgraph_slam/core/odometry/motion.hpp"
+
+namespace sgraph {
+namespace {
+
+constexpr double history = 5.0;    // [s] of samples kept
+constexpr double tolerance = 0.1;  // [s] beyond the newest sample that its motion is believed to go on
+
+}  // namespace
+
+void ExternalOdometry::add(const OdometrySample& sample) {
+  if (!samples_.empty() && sample.stamp <= samples_.back().stamp) return;
+  samples_.push_back(sample);
+  while (samples_.back().stamp - samples_.front().stamp > history) samples_.pop_front();
+}
+
+MotionOutput ExternalOdometry::process(const CloudPtr& scan) {
+  MotionOutput output;
+  if (scan->empty()) {
+    output.verdict = ScanVerdict::too_few_points;
+    return output;
+  }
+  if (last_stamp_ && scan->stamp <= *last_stamp_) {
+    output.verdict = ScanVerdict::not_later;
+    return output;
+  }
+  const auto [first, last] =
+      std::minmax_element(scan->points.begin(), scan->points.end(), [](const Point& a, const Point& b) { return a.time < b.time; });
+  const Stamp begin = scan->stamp.after(std::min(0.0, static_cast<double>(first->time)));
+  const Stamp end = scan->stamp.after(std::max(0.0, static_cast<double>(last->time)));
+  if (samples_.size() < 2 || begin < samples_.front().stamp.after(-tolerance) || end > samples_.back().stamp.after(tolerance)) {
+    output.verdict = ScanVerdict::no_odometry;
+    return output;
+  }
+  last_stamp_ = scan->stamp;
+  Knots lidar;
+  for (const OdometrySample& s : samples_) lidar.push_back({s.stamp - scan->stamp, s.T_odom_base * T_base_lidar_});
+  const Pose T_odom_base = pose_at(lidar, 0) * T_base_lidar_.inverse();
+  const auto i = static_cast<std::size_t>(locate(lidar, 0).segment);
+
+  output.live.stamp = scan->stamp;
+  output.live.T_odom_base = T_odom_base;
+  output.live.covariance = samples_[i + 1].covariance;
+  output.live.twist = se3_log(samples_[i].T_odom_base.inverse() * samples_[i + 1].T_odom_base) / (samples_[i + 1].stamp - samples_[i].stamp);
+  output.live.status = OdometryStatus::external;
+  output.deskewed = deskew(*scan, 0, lidar);
+  // The covariance of such a source grows with the way and tells little of one step: the keyframe's comes from its own drift terms and the back end's
+  // floors.
+  output.finals.push_back({scan->stamp, T_odom_base, Matrix6::Zero(), {}, output.deskewed});
+  return output;
+}
+
+}  // namespace sgraph

@@ -1,0 +1,284 @@
+#include "sgraph_slam/core/odometry/lidar_odometry.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include <Eigen/Cholesky>
+
+#include "sgraph_slam/core/math/se3.hpp"
+#include "sgraph_slam/core/math/so3.hpp"
+
+namespace sgraph {
+namespace {
+
+constexpr double no_times = 1e-3;         // clouds whose points span less [s] have one pose
+constexpr double default_step = 0.05;     // [s] between knots before any motion is known
+constexpr double least_noise = 0.015;     // [m] of a residual: range noise and what the map doesn't know
+constexpr int longest_distrust = 20;      // scans after which even what the map doesn't explain goes into it
+constexpr double covariance_scale = 9.0;  // points on one surface share its errors: their residuals are not independent
+
+// One point in each voxel of the given edge; all when it is 0.
+std::vector<Point> thinned(const std::vector<Point>& points, double leaf) {
+  if (leaf <= 0) return points;
+  std::vector<Point> kept;
+  VoxelIndex seen(leaf);
+  for (const Point& p : points) {
+    const std::size_t before = seen.size();
+    seen.find_or_add(seen.key(p.position().cast<double>()));
+    if (seen.size() > before) kept.push_back(p);
+  }
+  return kept;
+}
+
+}  // namespace
+
+LidarOdometry::LidarOdometry(const OdometryParams& params, const Pose& T_base_lidar)
+    : params_(params), T_base_lidar_(T_base_lidar), T_lidar_base_(T_base_lidar.inverse()), map_(params.map) {}
+
+void LidarOdometry::add(const OdometrySample&) {}
+void LidarOdometry::add(const ImuSample&) {}
+
+double LidarOdometry::noise() const { return std::max(least_noise, map_.noise()); }
+
+LidarOdometry::WindowScan LidarOdometry::prepare(const CloudPtr& cloud) const {
+  WindowScan scan;
+  scan.cloud = cloud;
+  scan.time = cloud->stamp - *origin_;
+  const auto [first, last] =
+      std::minmax_element(cloud->points.begin(), cloud->points.end(), [](const Point& a, const Point& b) { return a.time < b.time; });
+  scan.begin = scan.time + static_cast<double>(first->time);
+  scan.end = scan.time + static_cast<double>(last->time);
+  if (scan.end - scan.begin < no_times) scan.begin = scan.end = scan.time;
+  scan.keypoints = thinned(cloud->points, params_.motion.keypoint_leaf);
+  return scan;
+}
+
+// Adds knots up to the scan's end, on the last segment's motion.
+void LidarOdometry::extend_knots(const WindowScan& scan) {
+  const auto predict = [this](double time) { knots_.push_back({time, pose_at(knots_, time)}); };
+  const double length = scan.end - scan.begin;
+  if (length <= 0) {
+    predict(scan.end);
+  } else {
+    // A scan that begins where the last one ended shares its knot; after a gap it gets one of its own.
+    if (scan.begin - knots_.back().time > 0.3 * length) predict(scan.begin);
+    const double begin = knots_.back().time;
+    for (int i = 1; i <= params_.motion.segments; ++i) predict(begin + (scan.end - begin) * i / params_.motion.segments);
+  }
+  prior_.resize(knots_.size(), {params_.motion.rotation_sigma, params_.motion.translation_sigma});
+}
+
+// The first scan: standing still until the second tells otherwise.
+void LidarOdometry::begin_map(const WindowScan& scan) {
+  const double begin = scan.end > scan.begin ? scan.begin : scan.end - default_step;
+  knots_ = {{begin - default_step, T_base_lidar_}, {begin, T_base_lidar_}};
+  extend_knots(scan);
+  first_free_ = static_cast<int>(knots_.size());
+}
+
+std::vector<Keypoint> LidarOdometry::keypoints_in_window() const {
+  std::vector<Keypoint> all;
+  for (const WindowScan& scan : window_) {
+    for (const Point& point : scan.keypoints) {
+      const SegmentTime at = locate(knots_, scan.begin < scan.end ? scan.time + static_cast<double>(point.time) : scan.time);
+      all.push_back({point.position().cast<double>(), at.segment, at.fraction});
+    }
+  }
+  // The solver takes the newest segment from the last one.
+  std::stable_sort(all.begin(), all.end(), [](const Keypoint& a, const Keypoint& b) { return a.segment < b.segment; });
+  return all;
+}
+
+RigidAlignmentResult LidarOdometry::align(const WindowScan& scan) {
+  std::vector<SegmentMotion> motions;
+  for (std::size_t i = 0; i + 1 < knots_.size(); ++i) motions.emplace_back(knots_[i].pose, knots_[i + 1].pose);
+  std::vector<SeenPoint> points;
+  for (std::size_t i = 0; i < scan.keypoints.size(); i += 2) {
+    const Point& point = scan.keypoints[i];
+    const SegmentTime at = locate(knots_, scan.begin < scan.end ? scan.time + static_cast<double>(point.time) : scan.time);
+    const SegmentMotion& motion = motions[static_cast<std::size_t>(at.segment)];
+    const Eigen::Vector3d sensor = motion.origin(at.fraction);
+    points.push_back({motion.rotate(at.fraction, point.position().cast<double>()) + sensor, sensor});
+  }
+  RigidAlignmentOptions options;
+  options.noise = noise();
+  options.kernel_begin = untrusted_ > 0 ? 1.0 : 0.5;
+  options.kernel_end = std::max(0.1, 4.0 * noise());
+  return align_rigidly(map_, points, options);
+}
+
+WindowResult LidarOdometry::solve(const RigidAlignmentResult& alignment) {
+  // The newest scan's knots start from the rigid alignment; where it moved far, the velocity has changed and the prior must let it.
+  const double factor =
+      std::max({1.0, alignment.rotation / (15 * params_.motion.rotation_sigma), alignment.translation / (15 * params_.motion.translation_sigma)});
+  const double from = window_.size() > 1 ? window_[window_.size() - 2].end : knots_[static_cast<std::size_t>(first_free_) - 1].time;
+  for (std::size_t i = static_cast<std::size_t>(first_free_) - 1; i < knots_.size(); ++i) {
+    if (knots_[i].time < from - 1e-9) continue;
+    if (knots_[i].time > from + 1e-9 && static_cast<int>(i) >= first_free_) knots_[i].pose = alignment.correction * knots_[i].pose;
+    prior_[i] = {factor * params_.motion.rotation_sigma, factor * params_.motion.translation_sigma};
+  }
+  WindowProblem problem{knots_, first_free_, prior_, keypoints_in_window()};
+  WindowOptions options;
+  options.iterations = params_.motion.iterations;
+  options.noise = noise();
+  options.kernel = std::max(params_.motion.kernel, 3.0 * map_.noise());
+  WindowResult result = solve_window(map_, problem, options);
+  knots_ = problem.knots;
+  return result;
+}
+
+// The motion during the first scan is unknown when it arrives: take it from the second, mend the map, and look again.
+void LidarOdometry::bootstrap(const WindowScan& second) {
+  const WindowScan first = window_.front();
+  const Pose anchor = pose_at(knots_, first.time);
+  for (int round = 0; round < 4; ++round) {
+    map_ = SurfaceMap(params_.map);
+    insert(first);
+    window_ = {second};
+    const RigidAlignmentResult alignment = align(second);
+    solve(alignment);
+    // The first scan's knots on the motion found since, through the pose at its stamp.
+    const std::size_t n = knots_.size();
+    const Knot& before = knots_[static_cast<std::size_t>(first_free_) - 1];
+    const Knot& after = knots_[n - 1];
+    const double step = after.time - before.time;
+    const Vector6 motion = se3_log(before.pose.inverse() * after.pose) / step;
+    for (std::size_t i = 0; i < static_cast<std::size_t>(first_free_); ++i) knots_[i].pose = anchor * se3_exp(motion * (knots_[i].time - first.time));
+    for (std::size_t i = static_cast<std::size_t>(first_free_); i < n; ++i)
+      knots_[i].pose = pose_at(Knots(knots_.begin(), knots_.begin() + static_cast<std::ptrdiff_t>(i)), knots_[i].time);
+  }
+  map_ = SurfaceMap(params_.map);
+  insert(first);
+  window_ = {first};
+  window_.front().enters_map = false;  // it has
+  moving_known_ = true;
+}
+
+void LidarOdometry::insert(const WindowScan& scan) {
+  const CloudPtr deskewed = deskew(*scan.cloud, scan.time, knots_);
+  const Pose T_odom_lidar = pose_at(knots_, scan.time);
+  const Eigen::Matrix3d rotation = T_odom_lidar.matrix();
+  for (const Point& point : thinned(deskewed->points, params_.map_leaf)) {
+    map_.insert(rotation * point.position().cast<double>() + T_odom_lidar.translation, T_odom_lidar.translation);
+  }
+  map_.update();
+}
+
+// The oldest scan's pose is as good as it will get: it goes into the map.
+FinalScan LidarOdometry::leave_window() {
+  const WindowScan scan = window_.front();
+  window_.erase(window_.begin());
+  if (scan.enters_map) insert(scan);
+  FinalScan final;
+  final.stamp = scan.cloud->stamp;
+  final.T_odom_base = pose_at(knots_, scan.time) * T_lidar_base_;
+  final.covariance = scan.covariance;
+  final.degenerate = scan.degenerate;
+  final.cloud = deskew(*scan.cloud, scan.time, knots_);
+  // Held from now on: the knots up to this scan's end. The one before stays for the prior, and those that a stamp at the begin of the next scan
+  // needs.
+  std::size_t end = 0;
+  while (end < knots_.size() && knots_[end].time <= scan.end + 1e-9) ++end;
+  const std::size_t drop = end > 2 ? end - 2 : 0;
+  knots_.erase(knots_.begin(), knots_.begin() + static_cast<std::ptrdiff_t>(drop));
+  prior_.erase(prior_.begin(), prior_.begin() + static_cast<std::ptrdiff_t>(drop));
+  first_free_ = static_cast<int>(end - drop);
+  return final;
+}
+
+// A result that the points don't support is a jump: the prediction is kept and the map isn't touched.
+void LidarOdometry::judge(WindowScan& scan, const WindowResult& solved, const Knots& predicted) {
+  if (solved.inlier_share >= params_.motion.min_inliers) {
+    untrusted_ = 0;
+    return;
+  }
+  for (std::size_t i = 0; i < knots_.size(); ++i) {
+    if (knots_[i].time > scan.begin + 1e-9) knots_[i].pose = predicted[i].pose;
+  }
+  ++untrusted_;
+  scan.enters_map = untrusted_ > longest_distrust;
+}
+
+OdometryEstimate LidarOdometry::live_estimate(const WindowScan& scan, const WindowResult& solved) const {
+  OdometryEstimate live;
+  live.stamp = scan.cloud->stamp;
+  live.T_odom_base = pose_at(knots_, scan.time) * T_lidar_base_;
+  live.status = untrusted_ == 0 ? OdometryStatus::tracked : OdometryStatus::predicted;
+  live.inlier_share = solved.inlier_share;
+  live.residual_rms = solved.residual_rms;
+  live.keypoints = static_cast<int>(scan.keypoints.size());
+  live.iterations = solved.iterations;
+  live.covariance = scan.covariance;
+  live.degenerate = scan.degenerate;
+  const auto i = static_cast<std::size_t>(std::max(0, locate(knots_, scan.time).segment));
+  const Pose step = (knots_[i].pose * T_lidar_base_).inverse() * (knots_[i + 1].pose * T_lidar_base_);
+  live.twist = se3_log(step) / (knots_[i + 1].time - knots_[i].time);
+  return live;
+}
+
+MotionOutput LidarOdometry::process(const CloudPtr& cloud) {
+  MotionOutput output;
+  if (cloud->size() < 50) {
+    output.verdict = ScanVerdict::too_few_points;
+    return output;
+  }
+  if (!origin_) {
+    origin_ = cloud->stamp;
+  } else if (cloud->stamp <= last_stamp_) {
+    output.verdict = ScanVerdict::not_later;
+    return output;
+  }
+  last_stamp_ = cloud->stamp;
+  WindowScan scan = prepare(cloud);
+  WindowResult solved;
+  if (knots_.empty()) {
+    begin_map(scan);
+    window_.push_back(scan);
+    insert(scan);
+  } else {
+    if (scan.end <= knots_.back().time + no_times) {
+      output.verdict = ScanVerdict::not_later;
+      return output;
+    }
+    extend_knots(scan);
+    if (!moving_known_) bootstrap(scan);
+    const Knots predicted = knots_;
+    const RigidAlignmentResult alignment = align(scan);
+    window_.push_back(scan);
+    solved = solve(alignment);
+    WindowScan& newest = window_.back();
+    judge(newest, solved, predicted);
+    const auto size = solved.information.rows();
+    if (size >= 6) {
+      // The newest knot's covariance, from odom's axes about the sensor into the base's.
+      const Eigen::MatrixXd covariance = solved.information.ldlt().solve(Eigen::MatrixXd::Identity(size, size));
+      const Pose base = knots_.back().pose * T_lidar_base_;
+      const Matrix6 block = covariance_scale * covariance.bottomRightCorner<6, 6>();
+      Matrix6 to_base = Matrix6::Zero();
+      const Eigen::Matrix3d r = base.matrix().transpose();
+      to_base.topLeftCorner<3, 3>() = r;
+      to_base.bottomRightCorner<3, 3>() = r;
+      to_base.bottomLeftCorner<3, 3>() = -r * skew(base.translation - knots_.back().pose.translation);
+      newest.covariance = to_base * block * to_base.transpose();
+      Matrix6 about_sensor = Matrix6::Zero();
+      for (Eigen::Index k = 0; k < size; k += 6) {
+        for (Eigen::Index j = 0; j < size; j += 6) about_sensor += solved.data_information.block<6, 6>(k, j);
+      }
+      for (const Vector6& d : weak_directions(about_sensor, 5.0, 0.02)) newest.degenerate.push_back((to_base * d).normalized());
+    }
+    scan = newest;
+  }
+  output.live = live_estimate(scan, solved);
+  if (window_.size() == 1) output.live.status = OdometryStatus::started;
+  output.deskewed = deskew(*scan.cloud, scan.time, knots_);
+  if (window_.size() > 1) output.finals.push_back(leave_window());
+  return output;
+}
+
+std::vector<FinalScan> LidarOdometry::finish() {
+  std::vector<FinalScan> finals;
+  while (!window_.empty()) finals.push_back(leave_window());
+  return finals;
+}
+
+}  // namespace sgraph

@@ -1,0 +1,62 @@
+#include "sgraph_slam/core/odometry/motion.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "sgraph_slam/core/math/se3.hpp"
+#include "sgraph_slam/core/math/so3.hpp"
+
+namespace sgraph {
+
+SegmentMotion::SegmentMotion(const Pose& begin, const Pose& end)
+    : rotation_(begin.matrix()), begin_(begin.translation), step_(end.translation - begin.translation) {
+  const Eigen::Vector3d phi = so3_log(begin.rotation.conjugate() * end.rotation);
+  angle_ = phi.norm();
+  const Eigen::Matrix3d w = skew(angle_ > 0 ? Eigen::Vector3d(phi / angle_) : Eigen::Vector3d::UnitZ());
+  first_ = rotation_ * w;
+  second_ = first_ * w;
+}
+
+Eigen::Vector3d SegmentMotion::rotate(double fraction, const Eigen::Vector3d& p) const {
+  const double a = fraction * angle_;
+  return rotation_ * p + std::sin(a) * (first_ * p) + (1.0 - std::cos(a)) * (second_ * p);
+}
+
+SegmentTime locate(const Knots& knots, double time) {
+  if (knots.size() < 2) return {};
+  const auto after = std::upper_bound(knots.begin(), knots.end(), time, [](double t, const Knot& k) { return t < k.time; });
+  const auto segment = std::clamp<std::ptrdiff_t>(after - knots.begin() - 1, 0, static_cast<std::ptrdiff_t>(knots.size()) - 2);
+  const Knot& begin = knots[static_cast<std::size_t>(segment)];
+  const Knot& end = knots[static_cast<std::size_t>(segment) + 1];
+  return {static_cast<int>(segment), (time - begin.time) / (end.time - begin.time)};
+}
+
+Pose pose_at(const Knots& knots, double time) {
+  if (knots.size() < 2) return knots.front().pose;
+  const SegmentTime at = locate(knots, time);
+  const auto i = static_cast<std::size_t>(at.segment);
+  return interpolate(knots[i].pose, knots[i + 1].pose, at.fraction);
+}
+
+CloudPtr deskew(const Cloud& cloud, double stamp_time, const Knots& knots) {
+  auto result = std::make_shared<Cloud>(cloud);
+  std::vector<SegmentMotion> motions;
+  for (std::size_t i = 0; i + 1 < knots.size(); ++i) motions.emplace_back(knots[i].pose, knots[i + 1].pose);
+  const Pose to_stamp = pose_at(knots, stamp_time).inverse();
+  const Eigen::Matrix3d rotation = to_stamp.matrix();
+  for (Point& point : result->points) {
+    if (!motions.empty() && point.time != 0) {
+      const SegmentTime at = locate(knots, stamp_time + static_cast<double>(point.time));
+      const SegmentMotion& motion = motions[static_cast<std::size_t>(at.segment)];
+      const Eigen::Vector3d p = motion.rotate(at.fraction, point.position().cast<double>()) + motion.origin(at.fraction);
+      const Eigen::Vector3f q = (rotation * p + to_stamp.translation).cast<float>();
+      point.x = q.x();
+      point.y = q.y();
+      point.z = q.z();
+    }
+    point.time = 0;
+  }
+  return result;
+}
+
+}  // namespace sgraph

@@ -1,0 +1,69 @@
+#include "sgraph_slam/core/odometry/odometry.hpp"
+
+#include "sgraph_slam/core/odometry/external_odometry.hpp"
+#include "sgraph_slam/core/odometry/keyframe_selector.hpp"
+#include "sgraph_slam/core/odometry/lidar_odometry.hpp"
+
+namespace sgraph {
+
+const char* to_string(ScanVerdict value) {
+  switch (value) {
+    case ScanVerdict::accepted: return "accepted";
+    case ScanVerdict::too_few_points: return "too few points";
+    case ScanVerdict::not_later: return "stamp not after the last one";
+    case ScanVerdict::no_odometry: break;
+  }
+  return "no odometry at that time";
+}
+
+class Odometry::Implementation {
+ public:
+  Implementation(const OdometryParams& params, const Pose& T_base_lidar) : keyframes_(params.keyframe, T_base_lidar) {
+    if (params.source == "topic") {
+      source_ = std::make_unique<ExternalOdometry>(T_base_lidar);
+    } else {
+      source_ = std::make_unique<LidarOdometry>(params, T_base_lidar);
+    }
+  }
+
+  MotionSource& source() { return *source_; }
+
+  OdometryOutput process(const CloudPtr& scan) {
+    MotionOutput motion = source_->process(scan);
+    OdometryOutput output;
+    output.verdict = motion.verdict;
+    output.live = motion.live;
+    output.deskewed = motion.deskewed;
+    for (const FinalScan& final : motion.finals) take(final, output);
+    return output;
+  }
+
+  OdometryOutput finish() {
+    OdometryOutput output;
+    for (const FinalScan& final : source_->finish()) take(final, output);
+    if (auto keyframe = keyframes_.finish()) output.keyframes.push_back(std::move(*keyframe));
+    return output;
+  }
+
+ private:
+  void take(const FinalScan& final, OdometryOutput& output) {
+    output.finals.push_back({final.stamp, final.T_odom_base});
+    if (auto keyframe = keyframes_.add(final)) output.keyframes.push_back(std::move(*keyframe));
+  }
+
+  std::unique_ptr<MotionSource> source_;
+  KeyframeSelector keyframes_;
+};
+
+Odometry::Odometry(const OdometryParams& params, const Pose& T_base_lidar)
+    : implementation_(std::make_unique<Implementation>(params, T_base_lidar)) {}
+Odometry::~Odometry() = default;
+Odometry::Odometry(Odometry&&) noexcept = default;
+Odometry& Odometry::operator=(Odometry&&) noexcept = default;
+
+void Odometry::add(const OdometrySample& sample) { implementation_->source().add(sample); }
+void Odometry::add(const ImuSample& sample) { implementation_->source().add(sample); }
+OdometryOutput Odometry::process(const CloudPtr& scan) { return implementation_->process(scan); }
+OdometryOutput Odometry::finish() { return implementation_->finish(); }
+
+}  // namespace sgraph

@@ -1,0 +1,226 @@
+#include "sgraph_slam/core/odometry/window_solver.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include <Eigen/Cholesky>
+
+#include "sgraph_slam/core/math/so3.hpp"
+
+namespace sgraph {
+namespace {
+
+using Eigen::MatrixXd;
+using Eigen::Vector3d;
+using Eigen::VectorXd;
+
+constexpr double prior_step = 0.05;  // seconds that the prior's sigmas are given for
+
+// Sums over the points of one segment. Every Jacobian is (1 - a) u for the knot before and a u for the knot after, so three weighted sums of u u^T
+// are all.
+struct SegmentSums {
+  std::array<Matrix6, 3> uu{Matrix6::Zero(), Matrix6::Zero(), Matrix6::Zero()};
+  std::array<Vector6, 2> ur{Vector6::Zero(), Vector6::Zero()};
+};
+
+struct Linearisation {
+  double cost = 0;
+  int inliers = 0;     // of the last scan
+  int last_scan = 0;   // its keypoints
+  double squares = 0;  // of the inliers
+  MatrixXd h;
+  MatrixXd h_data;
+  VectorXd b;
+};
+
+class Problem {
+ public:
+  Problem(const SurfaceMap& map, const WindowProblem& problem, const WindowOptions& options) : map_(map), problem_(problem), options_(options) {
+    last_scan_segment_ = problem.keypoints.empty() ? 0 : problem.keypoints.back().segment;
+  }
+
+  [[nodiscard]] Linearisation linearise(const Knots& knots, double kernel) const {
+    Linearisation l;
+    const auto size = 6 * (static_cast<Eigen::Index>(knots.size()) - problem_.first_free);
+    l.h = MatrixXd::Zero(size, size);
+    l.b = VectorXd::Zero(size);
+    add_points(knots, kernel, l);
+    l.h_data = l.h;
+    add_prior(knots, l);
+    return l;
+  }
+
+ private:
+  void add_points(const Knots& knots, double kernel, Linearisation& l) const {
+    std::vector<SegmentMotion> motions;
+    for (std::size_t i = 0; i + 1 < knots.size(); ++i) motions.emplace_back(knots[i].pose, knots[i + 1].pose);
+    std::vector<SegmentSums> sums(motions.size());
+    const double k2 = kernel * kernel;
+    const double information = 1.0 / (options_.noise * options_.noise);
+    const double gate = options_.gate_scale * kernel;
+    for (const Keypoint& point : problem_.keypoints) {
+      const SegmentMotion& motion = motions[static_cast<std::size_t>(point.segment)];
+      const Vector3d arm = motion.rotate(point.fraction, point.p_lidar);
+      const Vector3d sensor = motion.origin(point.fraction);
+      const Vector3d p = arm + sensor;
+      const bool newest = point.segment >= last_scan_segment_ - 1;
+      l.last_scan += newest;
+      const Surface* surface = map_.match(p, sensor, gate);
+      if (surface == nullptr) {
+        l.cost += k2 * information;  // where Geman-McClure levels off: losing a match never pays
+        continue;
+      }
+      const double r = surface->normal.dot(p - surface->mean);
+      const double r2 = r * r;
+      const double share = k2 / (k2 + r2);
+      l.cost += share * r2 * information;
+      if (newest && r2 < k2) {
+        ++l.inliers;
+        l.squares += r2;
+      }
+      const double w = share * share * information;
+      Vector6 u;
+      u << arm.cross(surface->normal), surface->normal;
+      const double before = 1.0 - point.fraction;
+      const double after = point.fraction;
+      SegmentSums& s = sums[static_cast<std::size_t>(point.segment)];
+      const Matrix6 uu = w * u * u.transpose();
+      s.uu[0] += before * before * uu;
+      s.uu[1] += before * after * uu;
+      s.uu[2] += after * after * uu;
+      s.ur[0] += (before * w * r) * u;
+      s.ur[1] += (after * w * r) * u;
+    }
+    for (std::size_t i = 0; i < sums.size(); ++i) add_segment(static_cast<int>(i), sums[i], l);
+  }
+
+  void add_segment(int segment, const SegmentSums& s, Linearisation& l) const {
+    const Eigen::Index a = 6 * (segment - problem_.first_free);
+    const Eigen::Index c = a + 6;
+    if (c < 0) return;
+    l.h.block<6, 6>(c, c) += s.uu[2];
+    l.b.segment<6>(c) += s.ur[1];
+    if (a < 0) return;
+    l.h.block<6, 6>(a, a) += s.uu[0];
+    l.h.block<6, 6>(a, c) += s.uu[1];
+    l.h.block<6, 6>(c, a) += s.uu[1];
+    l.b.segment<6>(a) += s.ur[0];
+  }
+
+  // Change of velocity at each inner knot, times the step: rotation in the sensor's axes, translation in odom's.
+  void add_prior(const Knots& knots, Linearisation& l) const {
+    for (int j = std::max(1, problem_.first_free - 1); j + 1 < static_cast<int>(knots.size()); ++j) {
+      const auto i = static_cast<std::size_t>(j);
+      const Knot& before = knots[i - 1];
+      const Knot& here = knots[i];
+      const Knot& after = knots[i + 1];
+      const double h1 = here.time - before.time;
+      const double h2 = after.time - here.time;
+      const double step = 0.5 * (h1 + h2);
+      const double growth = std::pow(step / prior_step, 1.5);  // white noise on the acceleration
+      const double c1 = step / h1;
+      const double c2 = step / h2;
+      const Eigen::Matrix3d to_before = before.pose.matrix().transpose();
+      const Eigen::Matrix3d to_here = here.pose.matrix().transpose();
+      const Vector3d turn =
+          c2 * so3_log(here.pose.rotation.conjugate() * after.pose.rotation) - c1 * so3_log(before.pose.rotation.conjugate() * here.pose.rotation);
+      const Vector3d way = c2 * (after.pose.translation - here.pose.translation) - c1 * (here.pose.translation - before.pose.translation);
+      Eigen::Matrix<double, 6, 18> jacobian = Eigen::Matrix<double, 6, 18>::Zero();
+      jacobian.block<3, 3>(0, 0) = c1 * to_before;
+      jacobian.block<3, 3>(0, 6) = -c2 * to_here - c1 * to_before;
+      jacobian.block<3, 3>(0, 12) = c2 * to_here;
+      jacobian.block<3, 3>(3, 3).diagonal().setConstant(c1);
+      jacobian.block<3, 3>(3, 9).diagonal().setConstant(-c1 - c2);
+      jacobian.block<3, 3>(3, 15).diagonal().setConstant(c2);
+      Vector6 e;
+      e << turn, way;
+      const double wr = 1.0 / (problem_.prior[i].rotation_sigma * growth);
+      const double wt = 1.0 / (problem_.prior[i].translation_sigma * growth);
+      jacobian.topRows<3>() *= wr;
+      jacobian.bottomRows<3>() *= wt;
+      e.head<3>() *= wr;
+      e.tail<3>() *= wt;
+      l.cost += e.squaredNorm();
+      add_triple(j, jacobian, e, l);
+    }
+  }
+
+  void add_triple(int j, const Eigen::Matrix<double, 6, 18>& jacobian, const Vector6& e, Linearisation& l) const {
+    for (int a = 0; a < 3; ++a) {
+      const Eigen::Index row = 6 * (j - 1 + a - problem_.first_free);
+      if (row < 0) continue;
+      const auto ja = jacobian.block<6, 6>(0, 6 * a);
+      l.b.segment<6>(row) += ja.transpose() * e;
+      for (int c = 0; c < 3; ++c) {
+        const Eigen::Index column = 6 * (j - 1 + c - problem_.first_free);
+        if (column >= 0) l.h.block<6, 6>(row, column) += ja.transpose() * jacobian.block<6, 6>(0, 6 * c);
+      }
+    }
+  }
+
+  const SurfaceMap& map_;
+  const WindowProblem& problem_;
+  const WindowOptions& options_;
+  int last_scan_segment_;
+};
+
+Knots moved(const Knots& knots, int first_free, const VectorXd& step) {
+  Knots result = knots;
+  for (std::size_t i = static_cast<std::size_t>(first_free); i < knots.size(); ++i) {
+    const auto k = 6 * (static_cast<Eigen::Index>(i) - first_free);
+    result[i].pose.rotation = (so3_exp(step.segment<3>(k)) * knots[i].pose.rotation).normalized();
+    result[i].pose.translation += step.segment<3>(k + 3);
+  }
+  return result;
+}
+
+// Largest movement of a step: metres, with rotations counted at 5 m.
+double size_of(const VectorXd& step) {
+  double largest = 0;
+  for (Eigen::Index k = 0; k < step.size(); k += 6) largest = std::max({largest, 5.0 * step.segment<3>(k).norm(), step.segment<3>(k + 3).norm()});
+  return largest;
+}
+
+}  // namespace
+
+WindowResult solve_window(const SurfaceMap& map, WindowProblem& problem, const WindowOptions& options) {
+  constexpr double small_step = 2e-4;
+  const Problem linear(map, problem, options);
+  WindowResult result;
+  double scale = options.start_scale;
+  double damping = 0;
+  Linearisation at = linear.linearise(problem.knots, scale * options.kernel);
+  for (result.iterations = 0; result.iterations < options.iterations;) {
+    ++result.iterations;
+    MatrixXd h = at.h;
+    h.diagonal() *= 1.0 + damping;
+    const VectorXd step = -h.ldlt().solve(at.b);
+    if (!step.allFinite()) break;
+    const Knots next = moved(problem.knots, problem.first_free, step);
+    const double next_scale = std::max(1.0, 0.5 * scale);
+    Linearisation there = linear.linearise(next, next_scale * options.kernel);
+    if (next_scale == scale && there.cost > at.cost * (1 + 1e-6)) {
+      damping = damping == 0 ? 0.1 : 10 * damping;
+      if (damping > 1e4) break;
+      continue;
+    }
+    damping *= 0.1;
+    if (damping < 1e-3) damping = 0;
+    problem.knots = next;
+    at = std::move(there);
+    const bool settled = next_scale == scale;
+    scale = next_scale;
+    if (settled && size_of(step) < small_step) {
+      result.converged = true;
+      break;
+    }
+  }
+  result.inlier_share = at.last_scan > 0 ? static_cast<double>(at.inliers) / at.last_scan : 0;
+  result.residual_rms = at.inliers > 0 ? std::sqrt(at.squares / at.inliers) : 0;
+  result.information = at.h;
+  result.data_information = at.h_data;
+  return result;
+}
+
+}  // namespace sgraph

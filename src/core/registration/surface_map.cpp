@@ -1,0 +1,139 @@
+#include "sgraph_slam/core/registration/surface_map.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include <Eigen/Eigenvalues>
+
+namespace sgraph {
+namespace {
+
+// A ray closer to the surface than this (about 4 degrees) doesn't tell which side it comes from.
+constexpr double grazing = 0.07;
+
+// Enough new points to be worth another fit: every change while there are few, then every tenth part.
+bool worth_a_fit(int count, int fitted) { return count > fitted + fitted / 10; }
+
+}  // namespace
+
+SurfaceMap::SurfaceMap(const SurfaceMapParams& params) : params_(params), flat_variance_(params.flat_sigma * params.flat_sigma) {
+  double edge = params.voxel;
+  for (int i = 0; i < params.levels; ++i, edge *= 0.5) levels_.push_back({VoxelIndex(edge), {}, {}});
+}
+
+std::size_t SurfaceMap::voxel_count() const {
+  std::size_t n = 0;
+  for (const Level& level : levels_) n += level.voxels.size();
+  return n;
+}
+
+SurfaceMap::Face* SurfaceMap::face_for(Voxel& voxel, const Eigen::Vector3d& ray) const {
+  Face& first = voxel.faces[0];
+  if (!params_.two_faces || !first.flat) return &first;
+  const double side = first.surface.normal.dot(ray);
+  if (side > grazing) return &first;
+  return side < -grazing ? &voxel.faces[1] : nullptr;
+}
+
+void SurfaceMap::insert(const Eigen::Vector3d& point, const Eigen::Vector3d& sensor) {
+  const Eigen::Vector3d ray = (sensor - point).normalized();
+  for (Level& level : levels_) {
+    const std::uint32_t i = level.index.find_or_add(level.index.key(point));
+    if (i == level.voxels.size()) level.voxels.push_back({point, {}});
+    Voxel& voxel = level.voxels[i];
+    Face* face = face_for(voxel, ray);
+    if (face == nullptr || face->count >= params_.max_points) continue;
+    const Eigen::Vector3d p = point - voxel.origin;
+    face->sum += p;
+    face->outer[0] += p.x() * p.x();
+    face->outer[1] += p.x() * p.y();
+    face->outer[2] += p.x() * p.z();
+    face->outer[3] += p.y() * p.y();
+    face->outer[4] += p.y() * p.z();
+    face->outer[5] += p.z() * p.z();
+    face->seen_from += ray.cast<float>();
+    ++face->count;
+    if (!face->changed && face->count >= params_.min_points && worth_a_fit(face->count, face->fitted)) {
+      face->changed = true;
+      level.changed.push_back(i);
+    }
+  }
+}
+
+void SurfaceMap::fit(Face& face, const Eigen::Vector3d& origin) {
+  const double n = face.count;
+  const Eigen::Vector3d mean = face.sum / n;
+  const auto& o = face.outer;
+  Eigen::Matrix3d covariance;
+  covariance << o[0], o[1], o[2], o[1], o[3], o[4], o[2], o[4], o[5];
+  covariance = (covariance - n * mean * mean.transpose()) / (n - 1);
+  Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver;
+  solver.computeDirect(covariance);
+  const double smallest = std::max(0.0, solver.eigenvalues()[0]);
+  face.surface.mean = origin + mean;
+  face.surface.normal = solver.eigenvectors().col(0);
+  if (face.surface.normal.dot(face.seen_from.cast<double>()) < 0) face.surface.normal *= -1;
+  face.surface.variance = smallest;
+  face.ratio = static_cast<float>(smallest / std::max(1e-12, solver.eigenvalues()[1]));
+  face.flat = face.ratio < params_.flat_ratio && smallest < flat_variance_;
+  face.fitted = face.count;
+  face.changed = false;
+}
+
+void SurfaceMap::update() {
+  const bool first = noise_ == 0;
+  for (Level& level : levels_) {
+    for (const std::uint32_t i : level.changed) {
+      Voxel& voxel = level.voxels[i];
+      for (Face& face : voxel.faces) {
+        if (face.changed) fit(face, voxel.origin);
+      }
+    }
+    if (!first) level.changed.clear();
+  }
+  update_noise();
+  if (!first) return;
+  // The first scan's Gaussians were judged before the noise was known.
+  for (Level& level : levels_) {
+    for (const std::uint32_t i : level.changed) {
+      for (Face& face : level.voxels[i].faces)
+        face.flat = face.fitted > 0 && face.ratio < params_.flat_ratio && face.surface.variance < flat_variance_;
+    }
+    level.changed.clear();
+  }
+}
+
+void SurfaceMap::update_noise() {
+  // Of the middle level: large enough to hold several stripes, small enough to be one surface. A sample keeps it cheap.
+  const Level& level = levels_[levels_.size() / 2];
+  std::vector<double> variances;
+  const std::size_t step = 1 + level.voxels.size() / 500;
+  for (std::size_t i = 0; i < level.voxels.size(); i += step) {
+    const Face& face = level.voxels[i].faces[0];
+    if (face.fitted >= params_.min_points && face.ratio < params_.flat_ratio) variances.push_back(face.surface.variance);
+  }
+  if (variances.size() < 10) return;
+  const auto middle = variances.begin() + static_cast<std::ptrdiff_t>(variances.size() / 2);
+  std::nth_element(variances.begin(), middle, variances.end());
+  noise_ = std::sqrt(*middle);
+  const double limit = std::max(params_.flat_sigma, 1.5 * noise_);
+  flat_variance_ = limit * limit;
+}
+
+const Surface* SurfaceMap::match(const Eigen::Vector3d& point, const Eigen::Vector3d& sensor, double gate) const {
+  const Eigen::Vector3d ray = sensor - point;
+  const double least = grazing * ray.norm();
+  for (const Level& level : levels_) {
+    const std::uint32_t i = level.index.find(level.index.key(point));
+    if (i == VoxelIndex::none) return nullptr;  // what the coarse level hasn't seen, the finer ones haven't either
+    for (const Face& face : level.voxels[i].faces) {
+      if (!face.flat) continue;
+      const Surface& surface = face.surface;
+      if (params_.two_faces && surface.normal.dot(ray) < least) continue;
+      if (std::abs(surface.normal.dot(point - surface.mean)) < gate) return &surface;
+    }
+  }
+  return nullptr;
+}
+
+}  // namespace sgraph
