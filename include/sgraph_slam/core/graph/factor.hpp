@@ -1,0 +1,51 @@
+#pragma once
+
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "sgraph_slam/core/graph/factors/corridor_plane.hpp"
+#include "sgraph_slam/core/graph/factors/corridor_width.hpp"
+#include "sgraph_slam/core/graph/factors/parallel_planes.hpp"
+#include "sgraph_slam/core/graph/factors/perpendicular_planes.hpp"
+#include "sgraph_slam/core/graph/factors/plane_prior.hpp"
+#include "sgraph_slam/core/graph/factors/pose_plane.hpp"
+#include "sgraph_slam/core/graph/factors/pose_plane_points.hpp"
+#include "sgraph_slam/core/graph/factors/room_plane.hpp"
+#include "sgraph_slam/core/graph/factors/room_width.hpp"
+#include "sgraph_slam/core/graph/factors/se3_between.hpp"
+#include "sgraph_slam/core/graph/factors/wall_thickness.hpp"
+#include "sgraph_slam/core/graph/robust_loss.hpp"
+#include "sgraph_slam/core/graph/variables.hpp"
+
+namespace sgraph {
+
+using FactorData = std::variant<Se3Between, PosePlane, PosePlanePoints, PlanePrior, ParallelPlanes, PerpendicularPlanes, WallThickness, RoomPlane,
+                                CorridorPlane, RoomWidth, CorridorWidth>;
+
+/// One term of the cost: `1/2 loss(|e|^2)` with the weighted residual `e` of the data. A plain value; its id is its key in the graph.
+struct Factor {
+  FactorData data;
+  RobustLoss loss;
+};
+
+/// Variables of the factor in the order of its cost's parameter blocks.
+std::vector<VariableId> blocks(const FactorData& data);
+
+/// "se3_between", "loop", "pose_plane", "pose_plane_points", "plane_prior", "parallel_planes", "perpendicular_planes", "wall_thickness",
+/// "room_plane", "corridor_plane", "room_width", "corridor_width".
+const char* type_name(const FactorData& data);
+
+/// Number of residuals, and how many of them are independent (the degrees of freedom of its chi-square).
+int residual_size(const FactorData& data);
+int residual_rank(const FactorData& data);
+
+/// All numbers finite, weights and sigmas positive, sides and axes in range.
+bool valid(const Factor& factor);
+
+/// The factor with plane `from` replaced by `to` wherever it occurs.
+FactorData repointed(FactorData data, PlaneId from, PlaneId to);
+
+bool operator==(const Factor& a, const Factor& b);
+
+}  // namespace sgraph

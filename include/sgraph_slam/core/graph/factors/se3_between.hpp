@@ -1,0 +1,28 @@
+#pragma once
+
+#include "sgraph_slam/core/graph/factors/cost.hpp"
+#include "sgraph_slam/core/graph/sqrt_information.hpp"
+#include "sgraph_slam/core/types/ids.hpp"
+#include "sgraph_slam/core/types/pose.hpp"
+
+namespace sgraph {
+
+/// Relative pose of two keyframes, from odometry or from a loop closure (then with a robust loss).
+///
+///   e = W Log( Z^-1 T_map_from^-1 T_map_to ),  6 residuals: rotation [rad], translation [m], in the frame of `to`
+///
+/// Blocks: keyframe `from`, keyframe `to`. Degenerate (jump of the logarithm) at a rotation error of pi.
+/// Source: paper, Robot Tracking Layer; design: keyframe-to-keyframe factor.
+struct Se3Between {
+  enum class Source { odometry, loop };
+
+  KeyframeId from;
+  KeyframeId to;
+  Pose T_from_to;             ///< measurement Z
+  SqrtInformation<6> weight;  ///< covariance order rotation, translation; right perturbation of Z
+  Source source = Source::odometry;
+};
+
+CostPtr make_cost(const Se3Between& factor);
+
+}  // namespace sgraph
