@@ -1,0 +1,44 @@
+#pragma once
+
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "sgraph_slam/core/sim/world.hpp"
+
+namespace sgraph::sim {
+
+/// The robot's true motion along a route: twice continuously differentiable, so that accelerations exist. Corners are rounded with a curvature that
+/// rises and falls smoothly, speed keeps to the profile's limits of speed, acceleration, turn rate and turn acceleration, turns of more than 120
+/// degrees and turns at waypoints with a wait are made on the spot. While it moves it sways.
+class Motion {
+ public:
+  /// Throws WorldError: two equal waypoints in a row, or a wished duration that no speed reaches.
+  Motion(const Route& route, const MotionProfile& profile, double floor_z);
+
+  /// From the first moment to the last [s].
+  [[nodiscard]] double duration() const { return duration_; }
+  /// Speed limit used, as given or as chosen for the route's duration [m/s].
+  [[nodiscard]] double speed_limit() const { return profile_.speed; }
+  /// Length of the way over ground [m].
+  [[nodiscard]] double length() const;
+
+  /// Pose of base_link in the world; before the first moment and after the last the robot stands.
+  [[nodiscard]] Pose pose_at(double time) const;
+  /// Angular [rad/s] and linear [m/s] velocity in the base frame.
+  [[nodiscard]] Vector6 twist_at(double time) const;
+  /// Acceleration of the base's origin in the world, without gravity [m/s^2].
+  [[nodiscard]] Eigen::Vector3d acceleration_at(double time) const;
+
+ private:
+  using Sample = Eigen::Vector4d;  // x, y, heading (unwrapped), share of the sway
+
+  [[nodiscard]] Sample spline_at(double time) const;
+
+  MotionProfile profile_;
+  double floor_z_;
+  double duration_ = 0;
+  std::vector<Sample> control_;  // of a uniform cubic B-spline
+};
+
+}  // namespace sgraph::sim

@@ -1,0 +1,148 @@
+#pragma once
+
+#include <map>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "sgraph_slam/core/types/pose.hpp"
+
+/// Simulated buildings, LiDAR and robot (docs/worlds.md).
+namespace sgraph::sim {
+
+/// What is wrong with a world, with the file and line where there is one.
+class WorldError : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+enum class Material { plaster, concrete, wood, fabric, metal, glass, ground };
+
+/// A hole in a wall: door, passage, or window when it holds a pane.
+struct Opening {
+  double begin = 0;   ///< along the wall from `Wall::p` [m]
+  double end = 0;     ///< [m]
+  double bottom = 0;  ///< above the storey's floor [m]
+  double top = 2.1;   ///< [m]
+  bool pane = false;  ///< filled with glass
+};
+
+/// A straight wall along its centre line from p to q.
+struct Wall {
+  Eigen::Vector2d p = Eigen::Vector2d::Zero();
+  Eigen::Vector2d q = Eigen::Vector2d::Zero();
+  double thickness = 0.15;
+  double bottom = 0;  ///< world z [m]
+  double height = 2.8;
+  double extend_p = 0;  ///< the body goes this far beyond p (or q), so that the corners of a polyline are closed [m]
+  double extend_q = 0;  ///< [m]
+  bool glass = false;   ///< a glass partition: one pane along the centre line
+  Material material = Material::plaster;
+  std::vector<Opening> openings;  ///< in order, not overlapping
+  int line = 0;                   ///< in the world's file
+
+  [[nodiscard]] double length() const { return (q - p).norm(); }
+  [[nodiscard]] Eigen::Vector2d direction() const { return (q - p).normalized(); }
+};
+
+/// An upright box or, with `round`, a cylinder of diameter size.x.
+struct Block {
+  Eigen::Vector3d center = Eigen::Vector3d::Zero();
+  Eigen::Vector3d size = Eigen::Vector3d::Ones();  ///< along the box's own axes [m]
+  double yaw = 0;                                  ///< [rad]
+  bool round = false;
+  Material material = Material::wood;
+  std::string name;  ///< "desk", "column", ... for messages and truth
+  int line = 0;
+};
+
+/// A place bounded by four walls, as truth: rectangle between the walls' faces.
+struct Place {
+  std::string name;
+  Eigen::Vector2d center = Eigen::Vector2d::Zero();
+  Eigen::Vector2d width = Eigen::Vector2d::Zero();  ///< between the faces, along the place's own x and y [m]
+  double yaw = 0;                                   ///< of its own x axis [rad]
+  double z = 0;                                     ///< floor [m]
+  double height = 0;                                ///< floor to ceiling [m]
+};
+
+struct Storey {
+  std::string name;
+  double elevation = 0;  ///< world z of the floor [m]
+  double height = 2.8;   ///< floor to ceiling [m]
+  bool floor = true;
+  bool ceiling = true;
+  std::vector<Eigen::Vector2d> outline;  ///< of floor and ceiling, counter-clockwise
+  std::vector<Wall> walls;
+  std::vector<Block> columns;
+  std::vector<Block> furniture;
+  std::vector<Place> rooms;
+  std::vector<Place> corridors;
+};
+
+/// Somebody who walks a line there and back.
+struct Person {
+  std::vector<Eigen::Vector2d> path;
+  double speed = 1.0;  ///< [m/s]
+  double offset = 0;   ///< along the path at the start [m]
+  double height = 1.75;
+  double z = 0;  ///< floor [m]
+  int line = 0;
+};
+
+struct Waypoint {
+  Eigen::Vector2d position = Eigen::Vector2d::Zero();
+  double wait = 0;  ///< the robot stands here this long [s]; 0: it passes
+  int line = 0;
+};
+
+/// How the robot moves.
+struct MotionProfile {
+  double speed = 0.7;              ///< [m/s]
+  double acceleration = 0.6;       ///< [m/s^2]
+  double turn_rate = 0.9;          ///< [rad/s]
+  double turn_acceleration = 2.0;  ///< [rad/s^2]
+  double corner = 0.6;             ///< a turn begins this far before the corner [m]
+  double base_height = 0.45;       ///< of base_link above the floor [m]
+  double radius = 0.25;            ///< of the body, for the check of the route [m]
+  double step_frequency = 2.0;     ///< steps a second: pitch and height swing with it, roll with half of it [Hz]
+  double sway_roll = 0.01745;      ///< amplitudes while it walks [rad]
+  double sway_pitch = 0.01396;     ///< [rad]
+  double sway_height = 0.01;       ///< [m]
+  double tilt = 0;                 ///< slow leaning to all sides while it walks [rad]
+};
+
+struct Route {
+  std::vector<Waypoint> waypoints;  ///< all rounds written out
+  double stand = 3.0;               ///< at the start [s]
+  double stand_end = 1.0;           ///< at the end [s]
+  double start_heading = 0;         ///< [rad]
+  double duration = 0;              ///< when set, the robot's speed is chosen so that the run takes this long [s]
+  std::size_t storey = 0;
+};
+
+/// A building, who walks in it, and the robot's route. Right-handed, z up, metres, one frame ("world").
+struct World {
+  std::string name;
+  std::string file;  ///< for messages
+  std::vector<Storey> storeys;
+  std::vector<Person> people;
+  Route route;
+  MotionProfile motion;
+  Pose T_base_lidar{Eigen::Quaterniond::Identity(), Eigen::Vector3d(0.15, 0.0, 0.25)};
+  bool ground = true;  ///< ground around the building, seen through windows
+};
+
+/// Reads a world file (schema: docs/worlds.md). Throws WorldError with file, line and what is wrong: unknown keys, values out of range, openings off
+/// the wall, rooms that no walls bound, a route or a person that passes through something.
+World read_world(const std::string& path);
+
+/// The same from text; `extends` is taken relative to `directory`.
+World parse_world(const std::string& text, const std::string& name = "world", const std::string& directory = ".");
+
+/// A bare box of the given inner size with its centre at the origin; the robot stands at the centre, or walks `route` when it is given. For tests.
+World box_world(double length, double width, double height = 2.8, const std::vector<Eigen::Vector2d>& route = {});
+
+}  // namespace sgraph::sim

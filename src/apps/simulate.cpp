@@ -1,0 +1,115 @@
+// Simulates a robot with a VLP-16 in a world and writes what it sees, and the truth.
+#include <unistd.h>
+
+#include <CLI/CLI.hpp>
+#include <chrono>
+#include <cstdio>
+#include <exception>
+#include <filesystem>
+#include <fstream>
+
+#include "sgraph_slam/core/io/tum.hpp"
+#include "sgraph_slam/core/sim/simulator.hpp"
+#include "sgraph_slam/ros/simulated_bag.hpp"
+
+namespace {
+
+using namespace sgraph;
+using Clock = std::chrono::steady_clock;
+
+// A bar on a terminal, a line every 10 % elsewhere.
+class Progress {
+ public:
+  explicit Progress(int total, bool quiet) : total_(total), quiet_(quiet), terminal_(isatty(STDERR_FILENO) != 0) {}
+
+  void at(int done) {
+    if (quiet_ || total_ == 0) return;
+    const int percent = static_cast<int>(100LL * done / total_);
+    if (terminal_ ? done % 10 != 0 && done != total_ : percent / 10 == shown_ / 10 && done != total_) return;
+    shown_ = percent;
+    const double seconds = std::chrono::duration<double>(Clock::now() - begin_).count();
+    const double times = 0.1 * done / std::max(seconds, 1e-9);
+    std::string bar(static_cast<std::size_t>(percent * 30 / 100), '#');
+    bar.resize(30, '.');
+    std::fprintf(
+        stderr,
+        terminal_ ? "\r[%s] %3d %%  %d/%d scans  %.1f x real time  %.0f s left " : "[%s] %3d %%  %d/%d scans  %.1f x real time  %.0f s left\n",
+        bar.c_str(), percent, done, total_, times, seconds * (total_ - done) / std::max(done, 1));
+    if (terminal_ && done == total_) std::fputc('\n', stderr);
+  }
+
+ private:
+  int total_;
+  bool quiet_;
+  bool terminal_;
+  int shown_ = 0;
+  Clock::time_point begin_ = Clock::now();
+};
+
+struct Options {
+  std::string world;
+  std::string out;
+  sim::SimulationSettings settings;
+  std::string stamp = "last";
+  bool no_distortion = false;
+  bool check = false;
+  bool no_bag = false;
+  bool quiet = false;
+};
+
+void write_text(const std::string& path, const std::string& text) {
+  std::ofstream out(path);
+  out << text << '\n';
+  if (!out) throw std::runtime_error(path + ": can't be written");
+}
+
+void run(Options& options) {
+  sim::SimulationSettings& settings = options.settings;
+  settings.lidar.motion_distortion = !options.no_distortion;
+  settings.lidar.stamp = options.stamp == "first" ? sim::StampConvention::first : sim::StampConvention::last;
+  const sim::World world = sim::read_world(options.world);
+  sim::SimulatedSource source(world, settings);
+  if (!options.quiet) {
+    std::fprintf(stderr, "%s: %.0f s, %.0f m at up to %.2f m/s, %d scans\n", world.name.c_str(), source.duration(), source.motion().length(),
+                 source.motion().speed_limit(), source.scan_count());
+  }
+  if (options.check) return;
+  std::error_code error;
+  std::filesystem::create_directories(options.out, error);
+  if (error) throw std::runtime_error(options.out + ": can't be created (" + error.message() + ")");
+  write_tum(source.ground_truth(), options.out + "/ground_truth.tum");
+  write_text(options.out + "/truth.json", sim::truth_json(world, source.motion(), source.duration()));
+  if (options.no_bag) return;
+  Progress progress(source.scan_count(), options.quiet);
+  write_simulated_bag(source, options.out + "/data.bag", [&](int done) { progress.at(done); });
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  Options options;
+  CLI::App app{"Simulates a robot with a VLP-16 in WORLD and writes data.bag, ground_truth.tum and truth.json into OUT_DIR."};
+  app.add_option("world", options.world, "World file (docs/worlds.md)")->required();
+  app.add_option("out_dir", options.out, "Folder to write into; made when it isn't there");
+  app.add_option("--noise", options.settings.lidar.range_noise, "Standard deviation of the ranges [m]")
+      ->capture_default_str()
+      ->check(CLI::Range(0.0, 1.0));
+  app.add_option("--seed", options.settings.lidar.seed, "Seed of all random numbers")->capture_default_str();
+  app.add_option("--stamp", options.stamp, "Which firing stamps a cloud")->capture_default_str()->check(CLI::IsMember({"first", "last"}));
+  app.add_option("--duration", options.settings.duration, "End after this long [s]; 0: the whole route")
+      ->capture_default_str()
+      ->check(CLI::NonNegativeNumber);
+  app.add_flag("--no-motion-distortion", options.no_distortion, "Each scan as seen from one pose; its points carry time 0");
+  app.add_flag("--check", options.check, "Only read and check the world");
+  app.add_flag("--no-bag", options.no_bag, "Only write the truth");
+  app.add_flag("--quiet", options.quiet, "No progress");
+  CLI11_PARSE(app, argc, argv);
+  try {
+    if (options.out.empty() && !options.check) throw std::runtime_error("simulate: OUT_DIR is missing");
+    run(options);
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "%s\n", error.what());
+    return 1;
+  }
+  return 0;
+}

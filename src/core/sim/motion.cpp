@@ -1,0 +1,130 @@
+#include "sgraph_slam/core/sim/motion.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "path.hpp"
+#include "sgraph_slam/core/math/so3.hpp"
+
+namespace sgraph::sim {
+
+namespace {
+
+constexpr double knot = 0.05;  // spacing of the spline's control points [s]
+constexpr double difference_step = 1e-3;
+
+double clamp01(double x) { return std::min(1.0, std::max(0.0, x)); }
+
+// States at even moments 0, knot, 2 knot ... to the end and a little beyond.
+std::vector<Eigen::Vector4d> resample(const std::vector<PlanarState>& states) {
+  std::vector<Eigen::Vector4d> samples;
+  const auto count = static_cast<std::size_t>(std::ceil(states.back().time / knot)) + 1;
+  std::size_t k = 0;
+  for (std::size_t i = 0; i < count; ++i) {
+    const double t = static_cast<double>(i) * knot;
+    while (k + 2 < states.size() && states[k + 1].time < t) ++k;
+    const PlanarState& a = states[k];
+    const PlanarState& b = states[std::min(k + 1, states.size() - 1)];
+    const double f = b.time > a.time ? clamp01((t - a.time) / (b.time - a.time)) : 0.0;
+    const Eigen::Vector2d p = a.position + f * (b.position - a.position);
+    samples.emplace_back(p.x(), p.y(), a.heading + f * (b.heading - a.heading), 0.0);
+  }
+  return samples;
+}
+
+// How much it walks at each sample: 0 standing, 1 walking or turning; rises and falls over half a second.
+void add_activity(std::vector<Eigen::Vector4d>& samples) {
+  std::vector<double> moving(samples.size(), 0.0);
+  for (std::size_t i = 1; i < samples.size(); ++i) {
+    const Eigen::Vector4d change = (samples[i] - samples[i - 1]) / knot;
+    moving[i] = clamp01(change.head<2>().norm() / 0.2 + std::abs(change[2]) / 0.3);
+  }
+  constexpr int half = 5;
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    double sum = 0;
+    for (int k = -half; k <= half; ++k) {
+      const auto j = static_cast<std::ptrdiff_t>(i) + k;
+      if (j >= 0 && j < static_cast<std::ptrdiff_t>(samples.size())) sum += moving[static_cast<std::size_t>(j)];
+    }
+    samples[i][3] = sum / (2 * half + 1);
+  }
+}
+
+// The speed at which the route takes `duration` seconds.
+double speed_for(const Route& route, MotionProfile profile) {
+  const auto seconds = [&](double speed) {
+    profile.speed = speed;
+    return drive_route(route, profile).back().time;
+  };
+  double slow = 0.05;
+  double fast = 5.0;
+  if (seconds(fast) > route.duration || seconds(slow) < route.duration) {
+    throw WorldError("no speed makes the route last " + std::to_string(route.duration) + " s");
+  }
+  for (int i = 0; i < 30; ++i) {
+    const double middle = 0.5 * (slow + fast);
+    (seconds(middle) > route.duration ? slow : fast) = middle;
+  }
+  return fast;
+}
+
+}  // namespace
+
+Motion::Motion(const Route& route, const MotionProfile& profile, double floor_z) : profile_(profile), floor_z_(floor_z) {
+  if (route.duration > 0) profile_.speed = speed_for(route, profile);
+  const std::vector<PlanarState> states = drive_route(route, profile_);
+  duration_ = states.back().time;
+  control_ = resample(states);
+  add_activity(control_);
+}
+
+double Motion::length() const {
+  double sum = 0;
+  for (std::size_t i = 1; i < control_.size(); ++i) sum += (control_[i] - control_[i - 1]).head<2>().norm();
+  return sum;
+}
+
+Motion::Sample Motion::spline_at(double time) const {
+  const double x = std::min(std::max(time / knot, 0.0), static_cast<double>(control_.size() - 1));
+  const auto i = static_cast<std::ptrdiff_t>(x);
+  const double u = x - static_cast<double>(i);
+  const double v = 1 - u;
+  const double weights[4] = {v * v * v / 6, (3 * u * u * u - 6 * u * u + 4) / 6, (3 * v * v * v - 6 * v * v + 4) / 6, u * u * u / 6};
+  Sample sum = Sample::Zero();
+  for (std::ptrdiff_t k = 0; k < 4; ++k) {
+    const std::ptrdiff_t j = std::min(std::max<std::ptrdiff_t>(i + k - 1, 0), static_cast<std::ptrdiff_t>(control_.size()) - 1);
+    sum += weights[k] * control_[static_cast<std::size_t>(j)];
+  }
+  return sum;
+}
+
+Pose Motion::pose_at(double time) const {
+  const Sample s = spline_at(time);
+  const double phase = M_PI * profile_.step_frequency * time;  // roll swings once in two steps
+  const double lean_roll = profile_.tilt * 0.7 * (std::sin(2 * M_PI * 0.31 * time) + 0.43 * std::sin(2 * M_PI * 0.83 * time + 1.0));
+  const double lean_pitch = profile_.tilt * 0.7 * (std::sin(2 * M_PI * 0.23 * time + 2.0) + 0.43 * std::sin(2 * M_PI * 0.71 * time));
+  const double roll = s[3] * (profile_.sway_roll * std::sin(phase) + lean_roll);
+  const double pitch = s[3] * (profile_.sway_pitch * std::sin(2 * phase) + lean_pitch);
+  const double lift = s[3] * profile_.sway_height * std::sin(2 * phase + 0.8);
+  return {Eigen::AngleAxisd(s[2], Eigen::Vector3d::UnitZ()) * Eigen::AngleAxisd(pitch, Eigen::Vector3d::UnitY()) *
+              Eigen::AngleAxisd(roll, Eigen::Vector3d::UnitX()),
+          Eigen::Vector3d(s[0], s[1], floor_z_ + profile_.base_height + lift)};
+}
+
+Vector6 Motion::twist_at(double time) const {
+  constexpr double h = difference_step;
+  const Pose before = pose_at(time - h);
+  const Pose after = pose_at(time + h);
+  const Eigen::Quaterniond rotation = pose_at(time).rotation;
+  Vector6 twist;
+  twist.head<3>() = so3_log(before.rotation.conjugate() * after.rotation) / (2 * h);
+  twist.tail<3>() = rotation.conjugate() * ((after.translation - before.translation) / (2 * h));
+  return twist;
+}
+
+Eigen::Vector3d Motion::acceleration_at(double time) const {
+  constexpr double h = difference_step;
+  return (pose_at(time - h).translation - 2 * pose_at(time).translation + pose_at(time + h).translation) / (h * h);
+}
+
+}  // namespace sgraph::sim

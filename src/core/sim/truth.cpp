@@ -1,0 +1,81 @@
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "plan.hpp"
+#include "sgraph_slam/core/sim/scene.hpp"
+#include "sgraph_slam/core/sim/simulator.hpp"
+
+namespace sgraph::sim {
+
+namespace {
+
+using nlohmann::json;
+
+json point(const Eigen::Vector2d& p) { return {p.x(), p.y()}; }
+
+json place_json(const Place& place) {
+  json polygon = json::array();
+  const Eigen::Rotation2Dd turn(place.yaw);
+  for (const auto& [x, y] : {std::pair{-0.5, -0.5}, {0.5, -0.5}, {0.5, 0.5}, {-0.5, 0.5}}) {
+    polygon.push_back(point(place.center + turn * Eigen::Vector2d(x * place.width.x(), y * place.width.y())));
+  }
+  return {{"id", place.name}, {"center", point(place.center)}, {"width", point(place.width)}, {"yaw", place.yaw}, {"polygon", polygon},
+          {"z", place.z},     {"height", place.height}};
+}
+
+json wall_json(const Wall& wall) {
+  json openings = json::array();
+  for (const Opening& o : wall.openings) {
+    openings.push_back({{"begin", o.begin}, {"end", o.end}, {"bottom", o.bottom}, {"top", o.top}, {"pane", o.pane}});
+  }
+  return {{"p", point(wall.p)},        {"q", point(wall.q)},        {"z", wall.bottom},    {"height", wall.height}, {"t", wall.thickness},
+          {"extend_p", wall.extend_p}, {"extend_q", wall.extend_q}, {"glass", wall.glass}, {"openings", openings}};
+}
+
+json block_json(const Block& block) {
+  json outline = json::array();
+  for (const Eigen::Vector2d& p : footprint(block)) outline.push_back(point(p));
+  return {{"kind", block.name},
+          {"center", {block.center.x(), block.center.y(), block.center.z()}},
+          {"size", {block.size.x(), block.size.y(), block.size.z()}},
+          {"yaw", block.yaw},
+          {"round", block.round},
+          {"outline", outline}};
+}
+
+json surface_json(const Surface& surface) {
+  json outline = json::array();
+  for (const Eigen::Vector3d& p : surface.outline) outline.push_back({p.x(), p.y(), p.z()});
+  return {{"kind", to_string(surface.kind)}, {"outline", outline}};
+}
+
+}  // namespace
+
+std::string truth_json(const World& world, const Motion& motion, double duration) {
+  json truth = {{"name", world.name},         {"rotation", 0.0},          {"rooms", json::array()},
+                {"corridors", json::array()}, {"walls", json::array()},   {"columns", json::array()},
+                {"furniture", json::array()}, {"storeys", json::array()}, {"surfaces", json::array()}};
+  for (const Storey& storey : world.storeys) {
+    for (const Place& place : storey.rooms) truth["rooms"].push_back(place_json(place));
+    for (const Place& place : storey.corridors) truth["corridors"].push_back(place_json(place));
+    for (const Wall& wall : storey.walls) truth["walls"].push_back(wall_json(wall));
+    for (const Block& column : storey.columns) truth["columns"].push_back(block_json(column));
+    for (const Block& piece : storey.furniture) truth["furniture"].push_back(block_json(piece));
+    json outline = json::array();
+    for (const Eigen::Vector2d& p : storey.outline) outline.push_back(point(p));
+    truth["storeys"].push_back({{"name", storey.name},
+                                {"elevation", storey.elevation},
+                                {"height", storey.height},
+                                {"floor", storey.floor},
+                                {"ceiling", storey.ceiling},
+                                {"outline", outline}});
+  }
+  for (const Surface& surface : surfaces_of(world)) truth["surfaces"].push_back(surface_json(surface));
+  truth["duration"] = duration;
+  truth["length"] = motion.length();
+  const Pose start = motion.pose_at(0);
+  truth["start"] = {start.translation.x(), start.translation.y(), start.translation.z(), world.route.start_heading};
+  return truth.dump(1);
+}
+
+}  // namespace sgraph::sim
