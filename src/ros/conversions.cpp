@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "sgraph_slam/core/math/so3.hpp"
+
 namespace sgraph {
 namespace {
 
@@ -55,6 +57,16 @@ Converted<OdometrySample> to_odometry_sample(const nav_msgs::Odometry& message) 
     sample.covariance.bottomRightCorner<3, 3>() = given.topLeftCorner<3, 3>();
   }
   return {sample, MessageFault::none, ""};
+}
+
+OdometrySample moved_along_body(const OdometrySample& sample, const Pose& T_child_base) {
+  OdometrySample moved = sample;
+  moved.T_odom_base = sample.T_odom_base * T_child_base;
+  // A small turn about the odometry's axes also shifts what sits at the end of the lever.
+  Matrix6 jacobian = Matrix6::Identity();
+  jacobian.bottomLeftCorner<3, 3>() = -skew(sample.T_odom_base.rotation * T_child_base.translation);
+  moved.covariance = jacobian * sample.covariance * jacobian.transpose();
+  return moved;
 }
 
 Converted<Pose> to_pose(const geometry_msgs::Transform& transform) {

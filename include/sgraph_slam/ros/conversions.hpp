@@ -57,6 +57,10 @@ Converted<ImuSample> to_imu_sample(const sensor_msgs::Imu& message, const Eigen:
 /// frame); zero when the message gives none, or one with negative or infinite variances.
 Converted<OdometrySample> to_odometry_sample(const nav_msgs::Odometry& message);
 
+/// The pose of another frame that is fixed to the same body, with its covariance: `T_child_base` is where the base is in the frame whose pose the
+/// sample holds.
+OdometrySample moved_along_body(const OdometrySample& sample, const Pose& T_child_base);
+
 /// `T_parent_child` of a tf transform.
 Converted<Pose> to_pose(const geometry_msgs::Transform& transform);
 
