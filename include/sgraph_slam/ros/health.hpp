@@ -1,0 +1,72 @@
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <map>
+#include <mutex>
+#include <string>
+
+#include <diagnostic_updater/diagnostic_updater.h>
+#include <ros/node_handle.h>
+
+namespace sgraph {
+
+/// How a nodelet is doing, told on /diagnostics once a second of real time, and in the log when something is wrong. All functions may be called from
+/// any thread. The level is that of the worst report of the last seconds, so that what happened once is seen and what is over fades.
+class Health {
+ public:
+  /// `name`: the nodelet's full name.
+  Health(const ros::NodeHandle& node, const ros::NodeHandle& private_node, const std::string& name);
+
+  /// One more of what the nodelet works on has been done, in so many milliseconds.
+  void worked(double milliseconds);
+
+  /// One more of something that isn't normal work, a drop for instance: shown with its number.
+  void count(const std::string& what);
+
+  /// A value to show.
+  void show(const std::string& name, const std::string& value);
+  void show(const std::string& name, double value);
+
+  /// Something is wrong. Counted, shown, and logged when it is new or has not been said for a while.
+  void warn(const std::string& text);
+  void error(const std::string& text);
+
+ private:
+  using Clock = std::chrono::steady_clock;
+
+  struct Report {
+    int level = 0;
+    std::int64_t count = 0;
+    Clock::time_point seen;
+    Clock::time_point logged;
+  };
+
+  void report(int level, const std::string& text);
+  void describe(diagnostic_updater::DiagnosticStatusWrapper& status);
+
+  const std::string name_;
+  std::mutex mutex_;  // guards the members down to the updater
+  std::map<std::string, Report> reports_;
+  std::map<std::string, std::int64_t> counts_;
+  std::map<std::string, std::string> values_;
+  std::int64_t worked_ = 0;
+  std::int64_t worked_before_ = 0;  // at the last message
+  double milliseconds_ = 0;         // since the last message
+  double most_milliseconds_ = 0;
+  Clock::time_point last_message_ = Clock::now();
+
+  diagnostic_updater::Updater updater_;
+  ros::WallTimer timer_;  // last: it calls the updater
+};
+
+/// Milliseconds since it was made.
+class Stopwatch {
+ public:
+  [[nodiscard]] double milliseconds() const { return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin_).count(); }
+
+ private:
+  std::chrono::steady_clock::time_point begin_ = std::chrono::steady_clock::now();
+};
+
+}  // namespace sgraph
