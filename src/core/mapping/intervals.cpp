@@ -1,0 +1,54 @@
+#include "sgraph_slam/core/mapping/intervals.hpp"
+
+#include <algorithm>
+
+namespace sgraph {
+
+Intervals unite(Intervals parts, double gap) {
+  parts.erase(std::remove_if(parts.begin(), parts.end(), [](const Interval& i) { return !(i.high > i.low); }), parts.end());
+  std::sort(parts.begin(), parts.end(), [](const Interval& a, const Interval& b) { return a.low < b.low || (a.low == b.low && a.high < b.high); });
+  Intervals united;
+  for (const Interval& part : parts) {
+    if (!united.empty() && part.low <= united.back().high + gap) {
+      united.back().high = std::max(united.back().high, part.high);
+    } else {
+      united.push_back(part);
+    }
+  }
+  return united;
+}
+
+Interval hull(const Intervals& parts) {
+  if (parts.empty()) return {};
+  return {parts.front().low, parts.back().high};
+}
+
+Intervals clip(const Intervals& parts, Interval within) {
+  Intervals inside;
+  for (const Interval& part : parts) {
+    const Interval common{std::max(part.low, within.low), std::min(part.high, within.high)};
+    if (common.high > common.low) inside.push_back(common);
+  }
+  return inside;
+}
+
+Intervals gaps(const Intervals& parts, Interval within, double shortest) {
+  Intervals open;
+  double reached = within.low;
+  for (const Interval& part : clip(parts, within)) {
+    if (part.low - reached > shortest) open.push_back({reached, part.low});
+    reached = std::max(reached, part.high);
+  }
+  if (within.high - reached > shortest) open.push_back({reached, within.high});
+  return open;
+}
+
+double total_length(const Intervals& parts) {
+  double sum = 0;
+  for (const Interval& part : parts) sum += part.length();
+  return sum;
+}
+
+double overlap(Interval a, Interval b) { return std::min(a.high, b.high) - std::max(a.low, b.low); }
+
+}  // namespace sgraph

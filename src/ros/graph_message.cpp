@@ -1,0 +1,172 @@
+#include "message_parts.hpp"
+#include "sgraph_slam/ros/conversions.hpp"
+#include "sgraph_slam/ros/messages.hpp"
+
+namespace sgraph {
+
+namespace {
+
+using Ids = std::vector<std::int64_t>;
+
+template <class Range>
+Ids ids_of(const Range& range) {
+  Ids ids;
+  ids.reserve(range.size());
+  for (const auto id : range) ids.push_back(id.value);
+  return ids;
+}
+
+std::vector<PlaneId> plane_ids(const Ids& ids) {
+  std::vector<PlaneId> result;
+  result.reserve(ids.size());
+  for (const std::int64_t id : ids) result.push_back({id});
+  return result;
+}
+
+sgraph_slam::SceneKeyframe to_message(const SceneKeyframe& keyframe) {
+  sgraph_slam::SceneKeyframe message;
+  message.id = keyframe.id.value;
+  message.stamp = to_ros_time(keyframe.stamp);
+  message.pose = to_message(keyframe.T_map_base);
+  message.odom_pose = to_message(keyframe.T_odom_base);
+  return message;
+}
+
+sgraph_slam::ScenePlane to_message(const ScenePlane& plane) {
+  sgraph_slam::ScenePlane message;
+  message.id = plane.id.value;
+  message.plane_class = static_cast<std::uint8_t>(plane.plane_class);
+  message.normal = to_vector(plane.plane.normal);
+  message.d = plane.plane.d;
+  to_rows<3>(plane.covariance, message.covariance);
+  message.extent = to_points(plane.extent);
+  message.keyframes = ids_of(plane.keyframes);
+  return message;
+}
+
+sgraph_slam::SceneRoom to_message(const SceneRoom& room) {
+  sgraph_slam::SceneRoom message;
+  message.id = room.id.value;
+  message.center = to_point(room.center);
+  message.width[0] = room.width.x();
+  message.width[1] = room.width.y();
+  message.yaw = room.yaw;
+  message.planes = ids_of(room.planes);
+  return message;
+}
+
+sgraph_slam::SceneCorridor to_message(const SceneCorridor& corridor) {
+  sgraph_slam::SceneCorridor message;
+  message.id = corridor.id.value;
+  message.center = to_point(corridor.center);
+  message.width = corridor.width;
+  message.yaw = corridor.yaw;
+  message.length = corridor.length;
+  message.planes = ids_of(corridor.planes);
+  return message;
+}
+
+sgraph_slam::SceneOpening to_message(const SceneOpening& opening) {
+  sgraph_slam::SceneOpening message;
+  message.from = opening.from;
+  message.to = opening.to;
+  message.position = to_point(opening.position);
+  return message;
+}
+
+std::optional<SceneKeyframe> value_of(const sgraph_slam::SceneKeyframe& message) {
+  const std::optional<Pose> pose = from_message(message.pose);
+  const std::optional<Pose> odom_pose = from_message(message.odom_pose);
+  if (!pose || !odom_pose) return {};
+  SceneKeyframe keyframe;
+  keyframe.id = {message.id};
+  keyframe.stamp = to_stamp(message.stamp);
+  keyframe.T_map_base = *pose;
+  keyframe.T_odom_base = *odom_pose;
+  return keyframe;
+}
+
+std::optional<ScenePlane> value_of(const sgraph_slam::ScenePlane& message) {
+  ScenePlane plane;
+  plane.id = {message.id};
+  plane.plane = {vector_of(message.normal), message.d};
+  plane.covariance = from_rows<3>(message.covariance);
+  plane.extent = points_of(message.extent);
+  for (const std::int64_t id : message.keyframes) plane.keyframes.insert({id});
+  const bool numbers = std::isfinite(message.d) && plane.covariance.allFinite() && finite(plane.extent);
+  if (!numbers || !is_unit(plane.plane.normal) || message.plane_class > sgraph_slam::ScenePlane::UNCLASSIFIED) return {};
+  plane.plane_class = static_cast<PlaneClass>(message.plane_class);
+  return plane;
+}
+
+std::optional<SceneRoom> value_of(const sgraph_slam::SceneRoom& message) {
+  const SceneRoom room{{message.id}, vector_of(message.center), {message.width[0], message.width[1]}, message.yaw, plane_ids(message.planes)};
+  const bool numbers = room.center.allFinite() && room.width.allFinite() && std::isfinite(room.yaw);
+  return numbers && room.planes.size() == 4 ? std::optional(room) : std::nullopt;
+}
+
+std::optional<SceneCorridor> value_of(const sgraph_slam::SceneCorridor& message) {
+  const SceneCorridor corridor{{message.id}, vector_of(message.center), message.width, message.yaw, message.length, plane_ids(message.planes)};
+  const bool numbers = corridor.center.allFinite() && std::isfinite(corridor.width) && std::isfinite(corridor.yaw) && std::isfinite(corridor.length);
+  return numbers && corridor.planes.size() == 2 ? std::optional(corridor) : std::nullopt;
+}
+
+/// The messages' values by id; false when one of them isn't good.
+template <class Value, class Key, class Message>
+bool read(const std::vector<Message>& messages, std::map<Key, Value>& values) {
+  for (const Message& message : messages) {
+    std::optional<Value> value = value_of(message);
+    if (!value || !value->id.valid()) return false;
+    const Key id = value->id;
+    values.insert_or_assign(id, std::move(*value));
+  }
+  return true;
+}
+
+template <class Message, class Key, class Value>
+void write(const std::map<Key, Value>& values, std::vector<Message>& messages) {
+  messages.reserve(values.size());
+  for (const auto& [id, value] : values) messages.push_back(to_message(value));
+}
+
+}  // namespace
+
+static_assert(sgraph_slam::ScenePlane::X == static_cast<int>(PlaneClass::x));
+static_assert(sgraph_slam::ScenePlane::Y == static_cast<int>(PlaneClass::y));
+static_assert(sgraph_slam::ScenePlane::HORIZONTAL == static_cast<int>(PlaneClass::horizontal));
+static_assert(sgraph_slam::ScenePlane::UNCLASSIFIED == static_cast<int>(PlaneClass::unclassified));
+
+sgraph_slam::SceneGraph to_message(const GraphSnapshot& snapshot) {
+  sgraph_slam::SceneGraph message;
+  message.header.frame_id = snapshot.frame;
+  if (!snapshot.keyframes.empty()) message.header.stamp = to_ros_time(snapshot.keyframes.rbegin()->second.stamp);
+  message.version = snapshot.version;
+  message.map_to_odom = to_message(snapshot.T_map_odom);
+  message.dominant_yaw = snapshot.dominant_yaw;
+  write(snapshot.keyframes, message.keyframes);
+  write(snapshot.planes, message.planes);
+  write(snapshot.rooms, message.rooms);
+  write(snapshot.corridors, message.corridors);
+  for (const SceneOpening& opening : snapshot.openings) message.openings.push_back(to_message(opening));
+  return message;
+}
+
+std::optional<GraphSnapshot> from_message(const sgraph_slam::SceneGraph& message) {
+  const std::optional<Pose> map_to_odom = from_message(message.map_to_odom);
+  GraphSnapshot snapshot;
+  if (!map_to_odom || !std::isfinite(message.dominant_yaw)) return {};
+  if (!read(message.keyframes, snapshot.keyframes) || !read(message.planes, snapshot.planes) || !read(message.rooms, snapshot.rooms) ||
+      !read(message.corridors, snapshot.corridors))
+    return {};
+  snapshot.version = message.version;
+  snapshot.frame = message.header.frame_id;
+  snapshot.T_map_odom = *map_to_odom;
+  snapshot.dominant_yaw = message.dominant_yaw;
+  for (const sgraph_slam::SceneOpening& opening : message.openings) {
+    snapshot.openings.push_back({opening.from, opening.to, vector_of(opening.position)});
+    if (!snapshot.openings.back().position.allFinite()) return {};
+  }
+  return snapshot;
+}
+
+}  // namespace sgraph
