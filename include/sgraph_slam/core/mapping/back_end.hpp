@@ -2,6 +2,7 @@
 
 #include <memory>
 
+#include "sgraph_slam/core/mapping/decision.hpp"
 #include "sgraph_slam/core/mapping/params.hpp"
 #include "sgraph_slam/core/types/odometry.hpp"
 #include "sgraph_slam/core/types/scene.hpp"
@@ -20,11 +21,14 @@ class BackEnd {
   /// Takes a keyframe and the planes seen in its cloud (same stamp), in order. Solves when the data asks for it. Returns the newest state.
   GraphSnapshotPtr process(const Keyframe& keyframe, const PlaneSegments& segments);
 
-  /// Optimises the whole graph now and returns the result.
+  /// Optimises the whole graph now and returns the result, with the factors serialised and the planes' marginal covariances.
   GraphSnapshotPtr optimize();
 
   /// The newest state; never null.
   [[nodiscard]] GraphSnapshotPtr snapshot() const;
+
+  /// What has been proposed since the start (rooms, corridors, merges, loops), what became of it, and why.
+  [[nodiscard]] const DecisionLog& decisions() const;
 
  private:
   class Implementation;

@@ -1,0 +1,148 @@
+#include <cmath>
+
+#include "sgraph_slam/core/graph/solver.hpp"
+#include "sgraph_slam/core/mapping/association.hpp"
+#include "sgraph_slam/core/mapping/map_state.hpp"
+
+namespace sgraph {
+namespace {
+
+constexpr double recent_path = 5.0;     // way since a plane was seen up to which the odometry bounds its uncertainty well enough [m]
+constexpr double returned_path = 20.0;  // seeing a plane again after this way closes a loop [m]
+
+Matrix6 floored(const Keyframe& keyframe, const FactorParams& params) {
+  Matrix6 covariance = keyframe.covariance;
+  const double angle = params.keyframe_floor_angle;
+  const double distance = params.keyframe_floor_distance;
+  covariance.diagonal().head<3>().array() += angle * angle;
+  covariance.diagonal().tail<3>().array() += distance * distance;
+  for (const Vector6& v : keyframe.degenerate) {
+    const double sigma = std::hypot(v.head<3>().norm() * params.degenerate_angle, v.tail<3>().norm() * params.degenerate_distance);
+    covariance += sigma * sigma * v * v.transpose();
+  }
+  return covariance;
+}
+
+bool finite(const Pose& pose) {
+  return pose.rotation.coeffs().allFinite() && pose.translation.allFinite() && std::abs(pose.rotation.norm() - 1) < 1e-6;
+}
+
+bool usable(const PlaneSegment& segment) {
+  return segment.plane.normal.allFinite() && std::isfinite(segment.plane.d) && std::abs(segment.plane.normal.norm() - 1) < 1e-6 &&
+         segment.covariance.allFinite() && segment.centroid.allFinite() && segment.scatter.allFinite() && segment.extent.size() >= 3;
+}
+
+FactorData observation(const MapState& state, KeyframeId keyframe, PlaneId plane, const PlaneSegment& segment) {
+  const FactorParams& params = state.params.factors;
+  if (params.plane_factor == "points" && segment.count > 0) {
+    return PosePlanePoints{keyframe, plane, sqrt_scatter(segment.scatter, params.point_sigma, params.plane_floor_angle, params.plane_floor_distance),
+                           state.T_base_lidar};
+  }
+  const Eigen::Matrix3d covariance = floored_covariance(segment, params.plane_floor_angle, params.plane_floor_distance);
+  return PosePlane{keyframe, plane, segment.plane, state.T_base_lidar,
+                   SqrtInformation<3>::from_covariance(covariance, Eigen::Vector3d::Constant(1e-6))};
+}
+
+std::vector<PlaneCandidate> candidates_of(const MapState& state) {
+  std::vector<PlaneCandidate> candidates;
+  for (const auto& [id, record] : state.planes.records()) {
+    if (const Plane* plane = state.graph.find(id)) candidates.push_back({id, *plane, &record.outline});
+  }
+  return candidates;
+}
+
+// A view with the plane that it is of, before it is in the graph.
+struct View {
+  PlaneId plane;
+  const PlaneSegment* segment;
+};
+
+}  // namespace
+
+Applied commit(MapState& state, const Transaction& transaction) {
+  const Applied applied = state.graph.apply(transaction);
+  if (!applied.ok())
+    state.log.push_back({state.newest(), false, transaction.reason, std::string(to_string(applied.refusal)) + ": " + applied.detail});
+  return applied;
+}
+
+void add_factor(Transaction& edit, const FactorData& data, const RobustLoss& loss) {
+  Factor& factor = edit.factors.emplace_back();
+  factor.data = data;
+  factor.loss = loss;
+}
+
+bool add_keyframe(MapState& state, const Keyframe& keyframe) {
+  const auto refuse = [&](const char* reason) {
+    state.log.push_back({state.newest(), false, "keyframe/" + std::to_string(keyframe.id.value), reason});
+    return false;
+  };
+  if (!finite(keyframe.T_odom_base) || !keyframe.covariance.allFinite()) return refuse("not finite");
+  if (!keyframe.id.valid() || (!state.keyframes.empty() && !(state.newest() < keyframe.id))) return refuse("not newer than the last");
+  const Matrix6 covariance = floored(keyframe, state.params.factors);
+  Transaction edit;
+  edit.reason = "keyframe/" + std::to_string(keyframe.id.value);
+  if (state.keyframes.empty()) {
+    edit.keyframes[keyframe.id] = state.T_map_odom * keyframe.T_odom_base;
+  } else {
+    const Keyframe& last = state.keyframes.rbegin()->second;
+    const Pose motion = last.T_odom_base.inverse() * keyframe.T_odom_base;
+    edit.keyframes[keyframe.id] = *state.graph.find(last.id) * motion;
+    Vector6 tiny;
+    tiny << Eigen::Vector3d::Constant(1e-6), Eigen::Vector3d::Constant(1e-6);
+    add_factor(edit, Se3Between{last.id, keyframe.id, motion, SqrtInformation<6>::from_covariance(covariance, tiny), Se3Between::Source::odometry});
+  }
+  if (!commit(state, edit).ok()) return false;
+  state.drift.add(keyframe.id, keyframe.T_odom_base, covariance);
+  state.keyframes[keyframe.id] = keyframe;
+  return true;
+}
+
+AssociationResult add_observations(MapState& state, const PlaneSegments& segments) {
+  AssociationResult result;
+  const KeyframeId now = state.newest();
+  const AssociationParams& params = state.params.association;
+  const Pose T_map_base = *state.graph.find(now);
+  const std::vector<PlaneCandidate> candidates = candidates_of(state);
+  const PlaneUncertainty uncertainty(state.graph, state.planes, state.drift, state.marginals, now, recent_path);
+  const auto predicted = [&uncertainty](PlaneId id, const Innovation& innovation) { return uncertainty(id, innovation); };
+
+  Transaction edit;
+  edit.reason = "planes of keyframe/" + std::to_string(now.value);
+  std::vector<View> views;
+  const RobustLoss loss{loss_kind_from(state.params.factors.plane_loss), state.params.factors.plane_loss_scale};
+  for (const PlaneSegment& segment : segments.segments) {
+    if (!usable(segment)) {
+      ++result.ignored;
+      continue;
+    }
+    const std::vector<Match> matches = associate(segment, T_map_base, state.T_base_lidar, candidates, predicted, params);
+    PlaneId plane;
+    if (!matches.empty()) {
+      plane = matches.front().id;
+      ++result.matched;
+      result.returned |= state.drift.path(state.planes.find(plane)->last_seen, now) > returned_path;
+    } else if (outline_area(segment.extent) >= params.min_new_area) {
+      plane = state.graph.new_plane_id();
+      edit.planes[plane] = T_map_base * state.T_base_lidar * segment.plane;
+      ++result.created;
+    } else {
+      ++result.ignored;
+      continue;
+    }
+    add_factor(edit, observation(state, now, plane, segment), loss);
+    views.push_back({plane, &segment});
+  }
+  const Applied applied = commit(state, edit);
+  if (!applied.ok()) return {};
+  for (std::size_t i = 0; i < views.size(); ++i) {
+    const PlaneSegment& segment = *views[i].segment;
+    const Eigen::Matrix3d covariance = floored_covariance(segment, state.params.factors.plane_floor_angle, state.params.factors.plane_floor_distance);
+    state.planes.observe(state.graph, views[i].plane, now, applied.factors[i], segment.extent, state.T_base_lidar, segment.plane, covariance);
+    state.planes.reclassify(state.graph, views[i].plane, state.frame);
+    result.seen.insert(views[i].plane);
+  }
+  return result;
+}
+
+}  // namespace sgraph

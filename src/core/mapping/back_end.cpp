@@ -1,0 +1,180 @@
+#include "sgraph_slam/core/mapping/back_end.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "sgraph_slam/core/graph/solver.hpp"
+#include "sgraph_slam/core/mapping/map_state.hpp"
+#include "sgraph_slam/core/mapping/topology.hpp"
+
+namespace sgraph {
+namespace {
+
+constexpr int returns_apart = 5;     // keyframes between two global solves because a place was seen again
+constexpr std::size_t retries = 12;  // positions without a place that are looked at again after a global solve
+
+DominantFrameParams frame_params() { return {}; }
+
+Eigen::Vector2d ground(const Pose& pose) { return pose.translation.head<2>(); }
+
+}  // namespace
+
+class BackEnd::Implementation {
+ public:
+  Implementation(const MappingParams& params, const Pose& T_base_lidar)
+      : state_(params, T_base_lidar), snapshot_(std::make_shared<GraphSnapshot>()) {}
+
+  GraphSnapshotPtr process(const Keyframe& keyframe, const PlaneSegments& segments) {
+    if (!add_keyframe(state_, keyframe)) return snapshot_;
+    const AssociationResult seen = add_observations(state_, segments);
+    ++since_global_;
+    summary_ = {};
+    if (state_.params.solving.window > 0) solve_window();
+    update_frame();
+    if (state_.params.topological_layer) {
+      const std::vector<Wall> walls = state_.planes.walls();
+      state_.layer.judge(state_.graph, walls, &seen.seen, keyframe.id, state_.log);
+      visit(walls, keyframe.id);
+      synchronise(state_);
+      add_widths(state_, segments);
+    }
+    if (wants_global(seen)) solve_global(state_.params.solving.iterations);
+    place_odometry();
+    snapshot_ = make_snapshot(state_, snapshot_->version + 1, summary_, false);
+    return snapshot_;
+  }
+
+  GraphSnapshotPtr optimize() {
+    if (state_.keyframes.empty()) return snapshot_;
+    summary_ = {};
+    solve_global(state_.params.solving.final_iterations);
+    if (state_.params.topological_layer) {
+      visit_all();
+      solve_global(state_.params.solving.final_iterations);
+    }
+    find_covariances();
+    place_odometry();
+    snapshot_ = make_snapshot(state_, snapshot_->version + 1, summary_, true);
+    return snapshot_;
+  }
+
+  [[nodiscard]] GraphSnapshotPtr snapshot() const { return snapshot_; }
+  [[nodiscard]] const DecisionLog& decisions() const { return state_.log; }
+
+ private:
+  [[nodiscard]] bool wants_global(const AssociationResult& seen) const {
+    const SolveParams& params = state_.params.solving;
+    const int due = std::max(params.every, static_cast<int>(params.growth * static_cast<double>(state_.keyframes.size())));
+    if (since_global_ >= due) return true;
+    return since_global_ >= returns_apart && (seen.returned || !pending_.empty());
+  }
+
+  void note(const SolveSummary& summary) {
+    const double before = summary_.milliseconds;
+    summary_ = summary;
+    summary_.milliseconds += before;
+  }
+
+  void solve_window() {
+    SolverOptions options;
+    options.max_iterations = state_.params.solving.window_iterations;
+    note(solve(state_.graph, options, recent_window(state_.graph, state_.params.solving.window)));
+  }
+
+  void solve_global(int iterations) {
+    SolverOptions options;
+    options.max_iterations = iterations;
+    note(solve(state_.graph, options));
+    since_global_ = 0;
+    state_.marginals.forget();
+    state_.planes.refresh(state_.graph, state_.frame);
+    update_frame();
+    std::set<PlanePair> shown;
+    shown.swap(pending_);
+    merge_duplicates(state_, shown);
+    if (!state_.params.topological_layer) return;
+    const std::vector<Wall> walls = state_.planes.walls();
+    state_.layer.judge(state_.graph, walls, nullptr, state_.newest(), state_.log);
+    revisit(walls);
+    synchronise(state_);
+    add_wall_faces(state_);
+    find_openings();
+  }
+
+  void update_frame() {
+    if (!state_.params.semantics.dominant_frame) {
+      state_.frame = {0, 1};
+      return;
+    }
+    state_.frame = estimate_dominant_frame(wall_directions(state_.planes), state_.frame, frame_params());
+  }
+
+  void visit(const std::vector<Wall>& walls, KeyframeId at) {
+    const Visit here{state_.newest(), ground(*state_.graph.find(at)), state_.frame.yaw};
+    for (const PlanePair& pair : state_.layer.visit(state_.graph, walls, here, state_.log)) {
+      if (state_.refused_merges.count(pair) == 0) pending_.insert(pair);
+    }
+  }
+
+  // Positions that had no place when the robot was there: the walls that were missing may have been seen since.
+  void revisit(const std::vector<Wall>& walls) {
+    std::size_t tried = 0;
+    for (std::size_t i = 0; i < state_.keyframes.size() && tried < retries; ++i) {
+      const auto next = state_.keyframes.upper_bound(last_revisited_);
+      const KeyframeId id = next == state_.keyframes.end() ? state_.keyframes.begin()->first : next->first;
+      last_revisited_ = id;
+      if (state_.layer.covers(ground(*state_.graph.find(id)))) continue;
+      visit(walls, id);
+      ++tried;
+    }
+  }
+
+  void visit_all() {
+    const std::vector<Wall> walls = state_.planes.walls();
+    for (const auto& [id, keyframe] : state_.keyframes) {
+      if (!state_.layer.covers(ground(*state_.graph.find(id)))) visit(walls, id);
+    }
+    synchronise(state_);
+  }
+
+  void find_openings() {
+    std::vector<Eigen::Vector3d> path;
+    for (const auto& [id, keyframe] : state_.keyframes) {
+      const Pose T_map_odom = *state_.graph.find(id) * keyframe.T_odom_base.inverse();
+      for (const StampedPose& scan : keyframe.scans) path.push_back((T_map_odom * scan.pose).translation);
+      if (keyframe.scans.empty()) path.push_back(state_.graph.find(id)->translation);
+    }
+    state_.openings = sgraph::find_openings(state_.layer.places(), path);
+  }
+
+  void find_covariances() {
+    const Marginals* marginals = state_.marginals.get(state_.graph, 0);
+    if (!marginals) return;
+    state_.plane_covariances.clear();
+    for (const auto& [id, plane] : state_.graph.planes()) {
+      if (const auto covariance = marginals->covariance(id)) state_.plane_covariances[id] = *covariance;
+    }
+  }
+
+  void place_odometry() {
+    const Keyframe& newest = state_.keyframes.rbegin()->second;
+    state_.T_map_odom = *state_.graph.find(newest.id) * newest.T_odom_base.inverse();
+  }
+
+  MapState state_;
+  GraphSnapshotPtr snapshot_;
+  SolveSummary summary_;
+  std::set<PlanePair> pending_;  // planes that a place showed to be one
+  int since_global_ = 0;
+  KeyframeId last_revisited_;
+};
+
+BackEnd::BackEnd(const MappingParams& params, const Pose& T_base_lidar) : implementation_(std::make_unique<Implementation>(params, T_base_lidar)) {}
+BackEnd::~BackEnd() = default;
+
+GraphSnapshotPtr BackEnd::process(const Keyframe& keyframe, const PlaneSegments& segments) { return implementation_->process(keyframe, segments); }
+GraphSnapshotPtr BackEnd::optimize() { return implementation_->optimize(); }
+GraphSnapshotPtr BackEnd::snapshot() const { return implementation_->snapshot(); }
+const DecisionLog& BackEnd::decisions() const { return implementation_->decisions(); }
+
+}  // namespace sgraph
