@@ -61,9 +61,11 @@ void add_ground(std::vector<Surface>& all, const World& world) {
   Eigen::Vector2d high(-1e9, -1e9);
   for (const Storey& storey : world.storeys) {
     lowest = std::min(lowest, storey.elevation);
-    for (const Eigen::Vector2d& p : storey.outline) {
-      low = low.cwiseMin(p);
-      high = high.cwiseMax(p);
+    for (const auto& outline : storey.outlines) {
+      for (const Eigen::Vector2d& p : outline) {
+        low = low.cwiseMin(p);
+        high = high.cwiseMax(p);
+      }
     }
   }
   low.array() -= margin;
@@ -89,8 +91,10 @@ const char* to_string(SurfaceKind value) {
 std::vector<Surface> surfaces_of(const World& world) {
   std::vector<Surface> all;
   for (const Storey& storey : world.storeys) {
-    if (storey.floor) all.push_back({at_height(storey.outline, storey.elevation), SurfaceKind::floor, Material::concrete});
-    if (storey.ceiling) all.push_back({at_height(storey.outline, storey.elevation + storey.height), SurfaceKind::ceiling, Material::plaster});
+    for (const auto& outline : storey.outlines) {
+      if (storey.floor) all.push_back({at_height(outline, storey.elevation), SurfaceKind::floor, Material::concrete});
+      if (storey.ceiling) all.push_back({at_height(outline, storey.elevation + storey.height), SurfaceKind::ceiling, Material::plaster});
+    }
     for (const Wall& wall : storey.walls) add_wall(all, wall);
     for (const Block& column : storey.columns) {
       const double half = 0.5 * column.size.z();

@@ -61,14 +61,16 @@ std::string truth_json(const World& world, const Motion& motion, double duration
     for (const Wall& wall : storey.walls) truth["walls"].push_back(wall_json(wall));
     for (const Block& column : storey.columns) truth["columns"].push_back(block_json(column));
     for (const Block& piece : storey.furniture) truth["furniture"].push_back(block_json(piece));
-    json outline = json::array();
-    for (const Eigen::Vector2d& p : storey.outline) outline.push_back(point(p));
-    truth["storeys"].push_back({{"name", storey.name},
-                                {"elevation", storey.elevation},
-                                {"height", storey.height},
-                                {"floor", storey.floor},
-                                {"ceiling", storey.ceiling},
-                                {"outline", outline}});
+    for (const auto& outline : storey.outlines) {
+      json corners = json::array();
+      for (const Eigen::Vector2d& p : outline) corners.push_back(point(p));
+      truth["storeys"].push_back({{"name", storey.name},
+                                  {"elevation", storey.elevation},
+                                  {"height", storey.height},
+                                  {"floor", storey.floor},
+                                  {"ceiling", storey.ceiling},
+                                  {"outline", corners}});
+    }
   }
   for (const Surface& surface : surfaces_of(world)) truth["surfaces"].push_back(surface_json(surface));
   truth["duration"] = duration;

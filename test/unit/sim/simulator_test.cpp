@@ -142,10 +142,10 @@ TEST(Simulator, SameSeedSameScansOtherSeedOthers) {
 }
 
 TEST(Simulator, ShippedWorldsAreAccepted) {
-  for (const char* name : {"demo", "se1"}) {
+  for (const char* name : {"demo", "se1", "se2", "cf1", "cf2", "lc1", "le1", "le2", "oblique", "two_wings", "people", "fast_walker"}) {
     const World world = read_world(std::string("worlds/") + name + ".yaml");
     EXPECT_EQ(world.name, name);
-    EXPECT_FALSE(world.storeys.front().rooms.empty());
+    EXPECT_FALSE(world.storeys.front().corridors.empty());
   }
 }
 

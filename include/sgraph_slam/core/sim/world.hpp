@@ -74,7 +74,7 @@ struct Storey {
   double height = 2.8;   ///< floor to ceiling [m]
   bool floor = true;
   bool ceiling = true;
-  std::vector<Eigen::Vector2d> outline;  ///< of floor and ceiling, counter-clockwise
+  std::vector<std::vector<Eigen::Vector2d>> outlines;  ///< of floor and ceiling, counter-clockwise; they may overlap
   std::vector<Wall> walls;
   std::vector<Block> columns;
   std::vector<Block> furniture;
@@ -140,7 +140,7 @@ struct World {
 World read_world(const std::string& path);
 
 /// The same from text; `extends` is taken relative to `directory`.
-World parse_world(const std::string& text, const std::string& name = "world", const std::string& directory = ".");
+World parse_world(const std::string& text, const std::string& file = "world", const std::string& directory = ".");
 
 /// A bare box of the given inner size with its centre at the origin; the robot stands at the centre, or walks `route` when it is given. For tests.
 World box_world(double length, double width, double height = 2.8, const std::vector<Eigen::Vector2d>& route = {});
