@@ -15,6 +15,12 @@ constexpr double no_times = 1e-3;         // clouds whose points span less [s] h
 constexpr double default_step = 0.05;     // [s] between knots before any motion is known
 constexpr double least_noise = 0.015;     // [m] of a residual: range noise and what the map doesn't know
 constexpr int longest_distrust = 20;      // scans after which even what the map doesn't explain goes into it
+constexpr double long_gap = 0.3;          // [s] after which a motion predicted from the last one means little
+constexpr double poor_share = 0.7;        // of the usual share of matches: below it other starts are tried
+constexpr double clearly_better = 1.1;    // support that another start must have
+constexpr int widest_turn = 9;            // ... up to this many steps to either side
+constexpr double turn_step = 0.1;         // [rad]
+constexpr double believed_motion = 0.7;   // of the predicted motion, when a scan can't be registered
 constexpr double covariance_scale = 9.0;  // points on one surface share its errors: their residuals are not independent
 
 // One point in each voxel of the given edge; all when it is 0.
@@ -89,7 +95,7 @@ std::vector<Keypoint> LidarOdometry::keypoints_in_window() const {
   return all;
 }
 
-RigidAlignmentResult LidarOdometry::align(const WindowScan& scan) {
+RigidAlignmentResult LidarOdometry::align(const WindowScan& scan) const {
   std::vector<SegmentMotion> motions;
   for (std::size_t i = 0; i + 1 < knots_.size(); ++i) motions.emplace_back(knots_[i].pose, knots_[i + 1].pose);
   std::vector<SeenPoint> points;
@@ -104,7 +110,33 @@ RigidAlignmentResult LidarOdometry::align(const WindowScan& scan) {
   options.noise = noise();
   options.kernel_begin = untrusted_ > 0 ? 1.0 : 0.5;
   options.kernel_end = std::max(0.1, 4.0 * noise());
-  return align_rigidly(map_, points, options);
+  RigidAlignmentResult best = align_rigidly(map_, points, options);
+  const bool far_ahead = scan.end - window_.back().end > long_gap;
+  if (!far_ahead && best.inlier_share >= poor_share * usual_share_) return best;
+  // The prediction was far off (a scan after a gap, a jerk): look around for a better start.
+  options.reach = Reach::neighbours;
+  options.kernel_begin = 1.5;
+  options.iterations = 12;
+  for (const Pose& start : other_starts(scan)) {
+    options.start = start;
+    const RigidAlignmentResult other = align_rigidly(map_, points, options);
+    if (other.support > clearly_better * best.support) best = other;
+  }
+  return best;
+}
+
+// Corrections of the prediction to try: the predicted motion or none since the last scan, each turned to the left and right.
+std::vector<Pose> LidarOdometry::other_starts(const WindowScan& scan) const {
+  const Pose predicted = pose_at(knots_, scan.end);
+  const Pose held = pose_at(knots_, window_.back().end);
+  std::vector<Pose> starts;
+  for (const Pose& base : {predicted, held}) {
+    for (int i = -widest_turn; i <= widest_turn; ++i) {
+      const Pose turned{base.rotation * so3_exp({0, 0, i * turn_step}), base.translation};
+      starts.push_back(turned * predicted.inverse());
+    }
+  }
+  return starts;
 }
 
 WindowResult LidarOdometry::solve(const RigidAlignmentResult& alignment) {
@@ -190,10 +222,11 @@ FinalScan LidarOdometry::leave_window() {
 void LidarOdometry::judge(WindowScan& scan, const WindowResult& solved, const Knots& predicted) {
   if (solved.inlier_share >= params_.motion.min_inliers) {
     untrusted_ = 0;
+    usual_share_ += 0.2 * (solved.inlier_share - usual_share_);
     return;
   }
   for (std::size_t i = 0; i < knots_.size(); ++i) {
-    if (knots_[i].time > scan.begin + 1e-9) knots_[i].pose = predicted[i].pose;
+    if (knots_[i].time > scan.begin + 1e-9 && i > 0) knots_[i].pose = interpolate(knots_[i - 1].pose, predicted[i].pose, believed_motion);
   }
   ++untrusted_;
   scan.enters_map = untrusted_ > longest_distrust;

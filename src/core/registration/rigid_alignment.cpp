@@ -1,5 +1,6 @@
 #include "sgraph_slam/core/registration/rigid_alignment.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 #include <Eigen/Cholesky>
@@ -16,11 +17,12 @@ struct Step {
   Matrix6 h = Matrix6::Zero();
   Vector6 b = Vector6::Zero();
   int inliers = 0;
+  Eigen::Matrix3d normals = Eigen::Matrix3d::Zero();
 };
 
 // Residuals of the points moved by `correction`, linearised at a turn about `center` and a shift.
 Step linearise(const SurfaceMap& map, const std::vector<SeenPoint>& points, const Pose& correction, const Vector3d& center, double kernel,
-               double noise) {
+               double noise, Reach reach) {
   Step step;
   const double k2 = kernel * kernel;
   const double information = 1.0 / (noise * noise);
@@ -28,11 +30,14 @@ Step linearise(const SurfaceMap& map, const std::vector<SeenPoint>& points, cons
   for (const SeenPoint& seen : points) {
     const Vector3d p = rotation * seen.point + correction.translation;
     const Vector3d sensor = rotation * seen.sensor + correction.translation;
-    const Surface* surface = map.match(p, sensor, 2.0 * kernel);
+    const Surface* surface = map.match(p, sensor, 2.0 * kernel, reach);
     if (surface == nullptr) continue;
     const double r = surface->normal.dot(p - surface->mean);
     const double r2 = r * r;
-    step.inliers += r2 < k2;
+    if (r2 < k2) {
+      ++step.inliers;
+      step.normals += surface->normal * surface->normal.transpose();
+    }
     const double share = k2 / (k2 + r2);
     const double w = share * share * information;
     Vector6 u;
@@ -70,12 +75,15 @@ RigidAlignmentResult align_rigidly(const SurfaceMap& map, const std::vector<Seen
   for (const SeenPoint& seen : points) center += seen.sensor;
   center /= static_cast<double>(points.size());
   const Vector3d begin = center;
+  result.correction = options.start;
+  center = result.correction * center;
 
   for (int i = 0; i < options.iterations; ++i) {
     const double along = options.iterations > 1 ? static_cast<double>(i) / (options.iterations - 1) : 1.0;
     const double kernel = options.kernel_begin * std::pow(options.kernel_end / options.kernel_begin, along);
-    const Step at = linearise(map, points, result.correction, center, kernel, options.noise);
+    const Step at = linearise(map, points, result.correction, center, kernel, options.noise, options.reach);
     result.inlier_share = static_cast<double>(at.inliers) / static_cast<double>(points.size());
+    result.support = std::cbrt(std::max(0.0, at.normals.determinant())) / static_cast<double>(points.size());
     Matrix6 held;
     result.free_directions = weak_directions(at.h, options.arm, options.held_sigma, &held);
     Matrix6 h = at.h;

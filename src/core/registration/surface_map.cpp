@@ -19,6 +19,8 @@ bool worth_a_fit(int count, int fitted) { return count > fitted + fitted / 10; }
 SurfaceMap::SurfaceMap(const SurfaceMapParams& params) : params_(params), flat_variance_(params.flat_sigma * params.flat_sigma) {
   double edge = params.voxel;
   for (int i = 0; i < params.levels; ++i, edge *= 0.5) levels_.push_back({VoxelIndex(edge), {}, {}});
+  edge = params.voxel;
+  for (int i = 0; i < params.wide_levels; ++i) levels_.push_back({VoxelIndex(edge *= 2), {}, {}});
 }
 
 std::size_t SurfaceMap::voxel_count() const {
@@ -105,7 +107,7 @@ void SurfaceMap::update() {
 
 void SurfaceMap::update_noise() {
   // Of the middle level: large enough to hold several stripes, small enough to be one surface. A sample keeps it cheap.
-  const Level& level = levels_[levels_.size() / 2];
+  const Level& level = levels_[static_cast<std::size_t>(params_.levels) / 2];
   std::vector<double> variances;
   const std::size_t step = 1 + level.voxels.size() / 500;
   for (std::size_t i = 0; i < level.voxels.size(); i += step) {
@@ -120,17 +122,31 @@ void SurfaceMap::update_noise() {
   flat_variance_ = limit * limit;
 }
 
-const Surface* SurfaceMap::match(const Eigen::Vector3d& point, const Eigen::Vector3d& sensor, double gate) const {
-  const Eigen::Vector3d ray = sensor - point;
-  const double least = grazing * ray.norm();
-  for (const Level& level : levels_) {
-    const std::uint32_t i = level.index.find(level.index.key(point));
-    if (i == VoxelIndex::none) return nullptr;  // what the coarse level hasn't seen, the finer ones haven't either
-    for (const Face& face : level.voxels[i].faces) {
-      if (!face.flat) continue;
-      const Surface& surface = face.surface;
-      if (params_.two_faces && surface.normal.dot(ray) < least) continue;
-      if (std::abs(surface.normal.dot(point - surface.mean)) < gate) return &surface;
+// The face of the voxel around `at` that looks at the sensor and is nearer to `point` than the gate.
+const Surface* SurfaceMap::match_in(const Level& level, const Eigen::Vector3d& at, const Eigen::Vector3d& point, const Eigen::Vector3d& sensor,
+                                    double gate) const {
+  const std::uint32_t i = level.index.find(level.index.key(at));
+  if (i == VoxelIndex::none) return nullptr;
+  for (const Face& face : level.voxels[i].faces) {
+    if (!face.flat) continue;
+    const Surface& surface = face.surface;
+    const Eigen::Vector3d ray = sensor - point;
+    if (params_.two_faces && surface.normal.dot(ray) < grazing * ray.norm()) continue;
+    if (std::abs(surface.normal.dot(point - surface.mean)) < gate) return &surface;
+  }
+  return nullptr;
+}
+
+const Surface* SurfaceMap::match(const Eigen::Vector3d& point, const Eigen::Vector3d& sensor, double gate, Reach reach) const {
+  const std::size_t levels = reach == Reach::own ? static_cast<std::size_t>(params_.levels) : levels_.size();
+  for (std::size_t k = 0; k < levels; ++k) {
+    if (const Surface* surface = match_in(levels_[k], point, point, sensor, gate)) return surface;
+  }
+  if (reach != Reach::neighbours) return nullptr;
+  const double edge = params_.voxel * std::pow(2.0, params_.wide_levels);
+  for (int axis = 0; axis < 3; ++axis) {
+    for (const double side : {-0.5 * edge, 0.5 * edge}) {
+      if (const Surface* surface = match_in(levels_.back(), point + side * Eigen::Vector3d::Unit(axis), point, sensor, gate)) return surface;
     }
   }
   return nullptr;

@@ -38,7 +38,8 @@ class LidarOdometry : public MotionSource {
   void extend_knots(const WindowScan& scan);
   void begin_map(const WindowScan& scan);
   void bootstrap(const WindowScan& scan);
-  RigidAlignmentResult align(const WindowScan& scan);
+  [[nodiscard]] RigidAlignmentResult align(const WindowScan& scan) const;
+  [[nodiscard]] std::vector<Pose> other_starts(const WindowScan& scan) const;
   WindowResult solve(const RigidAlignmentResult& alignment);
   [[nodiscard]] std::vector<Keypoint> keypoints_in_window() const;
   void judge(WindowScan& scan, const WindowResult& solved, const Knots& predicted);
@@ -59,6 +60,7 @@ class LidarOdometry : public MotionSource {
   std::vector<WindowScan> window_;    // one or two scans
   bool moving_known_ = false;         // the motion during the first scan has been found
   int untrusted_ = 0;                 // scans in a row that the map didn't explain
+  double usual_share_ = 0;            // of points that match, over the last scans
 };
 
 }  // namespace sgraph

@@ -32,7 +32,7 @@ struct MotionParams {
   int iterations = 8;
   double kernel = 0.06;
   double keypoint_leaf = 0.2;
-  double min_inliers = 0.25;
+  double min_inliers = 0.1;
 
   void describe(ParamVisitor& v) {
     v.field("segments", segments, "", {1, 4}, "Pieces of constant velocity within a scan. More than two may each see one wall only.");

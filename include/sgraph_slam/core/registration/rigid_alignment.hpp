@@ -22,14 +22,17 @@ struct RigidAlignmentOptions {
   double noise = 0.02;        ///< standard deviation of a residual [m]
   double held_sigma = 0.02;   ///< only directions known better than this move [m, rotation counted at `arm`]
   double arm = 5.0;           ///< [m]
+  Reach reach = Reach::wide;
+  Pose start;  ///< correction to begin with
 };
 
 struct RigidAlignmentResult {
-  Pose correction;                       ///< moves the predicted points onto the map: `p_map = correction * p_predicted`
-  double inlier_share = 0;               ///< of the points within the last kernel
-  double rotation = 0;                   ///< size of the correction [rad]
-  double translation = 0;                ///< movement of the sensor [m]
-  int held_directions = 6;               ///< of 6, at the last step
+  Pose correction;          ///< moves the predicted points onto the map: `p_map = correction * p_predicted`
+  double inlier_share = 0;  ///< of the points within the last kernel
+  double support = 0;       ///< the same weighed over directions: geometric mean of the eigenvalues of the inliers' sum of n n^T, a point
+  double rotation = 0;      ///< size of the correction [rad]
+  double translation = 0;   ///< movement of the sensor [m]
+  int held_directions = 6;  ///< of 6, at the last step
   std::vector<Vector6> free_directions;  ///< unit directions (rotation, translation; map's axes about the sensor) that the data doesn't hold
 };
 

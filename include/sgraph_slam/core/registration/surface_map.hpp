@@ -14,6 +14,7 @@ namespace sgraph {
 struct SurfaceMapParams {
   double voxel = 1.0;
   int levels = 3;
+  int wide_levels = 1;
   bool two_faces = true;
   int min_points = 8;
   int max_points = 400;
@@ -23,6 +24,9 @@ struct SurfaceMapParams {
   void describe(ParamVisitor& v) {
     v.field("voxel", voxel, "m", {0.1, 10}, "Edge of the coarsest voxels.");
     v.field("levels", levels, "", {1, 5}, "Sizes of voxels, each half of the last; a point matches the coarsest flat one.");
+    v.field("wide_levels", wide_levels, "", {0, 3},
+            "Larger sizes, each twice the last, that only the first rough alignment of a scan may match where none of these does: for far walls of "
+            "few stripes.");
     v.field("two_faces", two_faces, "Keep the two faces of a wall apart by the side that they are seen from.");
     v.field("min_points", min_points, "", {3, 1000}, "Points that a voxel's Gaussian needs before it is used.");
     v.field("max_points", max_points, "", {10, 100000}, "Points after which a Gaussian stops learning.");
@@ -39,6 +43,13 @@ struct Surface {
   double variance = 0;  ///< of the points along the normal [m^2]
 };
 
+/// Where a point looks for its surface.
+enum class Reach {
+  own,         ///< in the voxels around it
+  wide,        ///< and in the larger ones
+  neighbours,  ///< and in the largest ones next to it: for a poor first guess
+};
+
 /// The local map of the odometry: Gaussians in voxels of several sizes, up to two a voxel, so that a wall's two faces are never mixed up (design:
 /// odometry study, section 2). Nothing is forgotten; memory grows with the area seen and not with the number of scans.
 class SurfaceMap {
@@ -52,8 +63,8 @@ class SurfaceMap {
   void update();
 
   /// The surface that `point`, seen from `sensor`, lies on: of the coarsest flat voxel around it that faces the sensor and is nearer than `gate` [m];
-  /// null when there is none.
-  [[nodiscard]] const Surface* match(const Eigen::Vector3d& point, const Eigen::Vector3d& sensor, double gate) const;
+  /// null when there is none. `reach` says where else to look.
+  [[nodiscard]] const Surface* match(const Eigen::Vector3d& point, const Eigen::Vector3d& sensor, double gate, Reach reach = Reach::own) const;
 
   /// Typical standard deviation of points on their surface, over the map [m]: the sensor's noise as the data shows it. 0 while the map is empty.
   [[nodiscard]] double noise() const { return noise_; }
@@ -83,6 +94,8 @@ class SurfaceMap {
     std::vector<std::uint32_t> changed;
   };
 
+  [[nodiscard]] const Surface* match_in(const Level& level, const Eigen::Vector3d& at, const Eigen::Vector3d& point, const Eigen::Vector3d& sensor,
+                                        double gate) const;
   Face* face_for(Voxel& voxel, const Eigen::Vector3d& ray) const;
   void fit(Face& face, const Eigen::Vector3d& origin);
   void update_noise();
