@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "outliers.hpp"
-#include "voxel_set.hpp"
+#include "sgraph_slam/core/util/voxel_set.hpp"
 
 namespace sgraph {
 namespace {
@@ -71,7 +71,7 @@ FilteredScan Prefilter::process(const Cloud& raw) const {
       ++counts.invalid;
     } else if (!interval.holds(range2)) {
       ++counts.out_of_range;
-    } else if (thin && !taken.insert(p)) {
+    } else if (thin && !taken.insert(p.x, p.y, p.z)) {
       ++counts.voxel;
     } else {
       cloud->points.push_back(p);

@@ -4,8 +4,6 @@
 #include <cstdint>
 #include <vector>
 
-#include "sgraph_slam/core/types/cloud.hpp"
-
 namespace sgraph {
 
 /// The set of voxels that hold a point already: open addressing on a 64-bit key. The grid stands on a corner (see Prefilter).
@@ -25,8 +23,8 @@ class VoxelSet {
   }
 
   /// True when the point is the first in its voxel. Coordinates up to 2^20 leaves are told apart.
-  bool insert(const Point& p) {
-    const std::uint64_t key = key_of(p);
+  bool insert(float x, float y, float z) {
+    const std::uint64_t key = key_of(x, y, z);
     std::size_t slot = (key * 0x9E3779B97F4A7C15ULL) >> shift_;
     while (table_[slot] != empty) {
       if (table_[slot] == key) return false;
@@ -39,12 +37,12 @@ class VoxelSet {
  private:
   static constexpr std::uint64_t empty = ~std::uint64_t{0};  // keys have 63 bits
 
-  [[nodiscard]] std::uint64_t key_of(const Point& p) const {
+  [[nodiscard]] std::uint64_t key_of(float x, float y, float z) const {
     // Columns of the rotation that takes z to (1, 1, 1) / sqrt(3).
     constexpr float a = 0.70710678F, b = 0.40824829F, c = 0.57735027F;
-    const float u = scale_ * (a * p.x + b * p.y + c * p.z);
-    const float v = scale_ * (-a * p.x + b * p.y + c * p.z);
-    const float w = scale_ * (-2 * b * p.y + c * p.z);
+    const float u = scale_ * (a * x + b * y + c * z);
+    const float v = scale_ * (-a * x + b * y + c * z);
+    const float w = scale_ * (-2 * b * y + c * z);
     return axis(u) << (2 * bits_per_axis) | axis(v) << bits_per_axis | axis(w);
   }
 

@@ -1,0 +1,217 @@
+#include "extraction.hpp"
+
+#include <cmath>
+#include <queue>
+
+#include "hypotheses.hpp"
+#include "sgraph_slam/core/segmentation/plane_fit.hpp"
+#include "sgraph_slam/core/util/voxel_set.hpp"
+
+namespace sgraph {
+namespace {
+
+constexpr double sample_leaf = 0.12;  // the search runs on points thinned to this: support then counts area, not nearness [m]
+constexpr int rounds = 3;
+constexpr int growth_steps = 6;
+constexpr double default_noise = 0.02;  // where no neighbourhood is flat [m]
+
+PointSet thinned(const PointSet& points) {
+  VoxelSet taken(sample_leaf, points.size());
+  PointSet sample;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    if (taken.insert(points.x[i], points.y[i], points.z[i])) sample.add(points.position(i), points.view[i], static_cast<std::uint32_t>(i));
+  }
+  return sample;
+}
+
+// A small piece belongs to a wall when it lies as the wall does: the strip that a plane cuts out of clutter is spread evenly between the limits
+// (rms 1.7 sigma), or lies to one side.
+bool lies_on(const PointSet& points, const Piece& piece, const Surface& surface) {
+  if (piece.members.size() < 8) return false;
+  const PlaneF plane(surface.plane);
+  double sum = 0, sum2 = 0;
+  for (const std::uint32_t i : piece.members) {
+    const double r = points.distance(plane, i);
+    sum += r;
+    sum2 += r * r;
+  }
+  const auto n = static_cast<double>(piece.members.size());
+  return std::abs(sum / n) < 0.5 * surface.sigma && std::sqrt(sum2 / n) < 1.3 * surface.sigma;
+}
+
+class Search {
+ public:
+  Search(const PointSet& points, const std::vector<Eigen::Vector3f>& viewpoints, const SegmentationParams& params)
+      : points_(points), viewpoints_(viewpoints), params_(params), free_(points.size(), 1), sample_(thinned(points)), random_(fingerprint(points)) {}
+
+  std::vector<Surface> run() {
+    // Support that a surface of the smallest size could have, of either measure.
+    least_support_ = std::max(8.0F, 0.3F * static_cast<float>(params_.min_area / (sample_leaf * sample_leaf)));
+    least_support_ = std::min(least_support_, 0.5F * static_cast<float>(params_.min_points));
+    for (int round = 0; round < rounds && sample_.size() >= 8; ++round) {
+      if (!search_round()) break;
+    }
+    return std::move(surfaces_);
+  }
+
+ private:
+  struct Candidate {
+    float support;
+    std::size_t number;
+    std::size_t generation;  // number of surfaces when the support was counted
+    // Ties go to the earlier one.
+    bool operator<(const Candidate& other) const { return support < other.support || (support == other.support && number > other.number); }
+  };
+
+  float support(const PlaneF& plane) const { return score(sample_, plane, threshold_, Facing(plane, viewpoints_)); }
+
+  bool search_round() {
+    const std::vector<Hypothesis> hypotheses = sample_hypotheses(sample_, viewpoints_, params_.seeds, random_);
+    if (surfaces_.empty()) threshold_ = static_cast<float>(inlier_threshold(estimate_noise(hypotheses, default_noise), params_));
+    std::priority_queue<Candidate> queue;
+    for (std::size_t i = 0; i < hypotheses.size(); ++i) {
+      const float s = support(hypotheses[i].plane);
+      if (s >= least_support_) queue.push({s, i, surfaces_.size()});
+    }
+    const std::size_t before = surfaces_.size();
+    while (!queue.empty()) {
+      Candidate best = queue.top();
+      queue.pop();
+      if (best.generation != surfaces_.size()) {  // points have gone since: count again
+        best.support = support(hypotheses[best.number].plane);
+        best.generation = surfaces_.size();
+        if (best.support >= least_support_) queue.push(best);
+        continue;
+      }
+      extract(hypotheses[best.number].plane);
+    }
+    return surfaces_.size() > before;
+  }
+
+  // Fits the plane to its inliers until they don't grow any more: from a neighbourhood to the whole wall.
+  PlaneF grown(PlaneF plane) const {
+    std::vector<std::uint32_t> inliers;
+    float last = -1;
+    for (int step = 0; step < growth_steps; ++step) {
+      const Facing facing(plane, viewpoints_);
+      collect(sample_, plane, threshold_, facing, inliers);
+      const PlaneFit fit = fit_plane(scatter_of(sample_, inliers));
+      if (!fit.valid) return plane;
+      PlaneF next(fit.plane);
+      if (next.normal.dot(plane.normal) < 0) {
+        next.normal = -next.normal;
+        next.d = -next.d;
+      }
+      const float now = support(next);
+      if (now <= last) return plane;
+      const bool settled = now < 1.01F * last;
+      plane = next;
+      last = now;
+      if (settled) break;
+    }
+    return plane;
+  }
+
+  void extract(const PlaneF& hypothesis) {
+    const PlaneF plane = grown(hypothesis);
+    const Facing facing(plane, viewpoints_);
+    std::vector<std::uint32_t> inliers;
+    collect(points_, plane, 1.3F * threshold_, facing, inliers);
+    inliers.erase(std::remove_if(inliers.begin(), inliers.end(), [this](std::uint32_t i) { return !free_[i]; }), inliers.end());
+    if (inliers.size() < static_cast<std::size_t>(params_.min_points)) return;
+    const Pieces split = connected_pieces(points_, inliers, plane, params_);
+
+    std::vector<Surface> found;
+    std::vector<std::vector<const Piece*>> parts;
+    std::vector<const Piece*> rest;
+    for (const Piece& piece : split.pieces) {
+      Surface surface;
+      surface.plane = plane.exact();
+      surface.members = piece.members;
+      if (piece.members.size() >= static_cast<std::size_t>(params_.min_points) && fit_trimmed(points_, params_, surface) &&
+          large_enough(points_, surface, params_)) {
+        found.push_back(std::move(surface));
+        parts.push_back({&piece});
+      } else {
+        rest.push_back(&piece);
+      }
+    }
+    for (const Piece* piece : rest) {
+      for (std::size_t k = 0; k < found.size(); ++k) {
+        if (gap_between(parts[k].front()->box, piece->box) > static_cast<float>(params_.merge_gap) || !lies_on(points_, *piece, found[k])) continue;
+        parts[k].push_back(piece);
+        break;
+      }
+    }
+    for (std::size_t k = 0; k < found.size(); ++k) {
+      found[k].masks.push_back(mask_of(split.cells, parts[k]));
+      claim(found[k]);
+      surfaces_.push_back(std::move(found[k]));
+    }
+  }
+
+  // Takes the surface's points out of the search, with those that the noise put a little beyond its threshold: they would make ghosts beside it.
+  void claim(const Surface& surface) {
+    const PlaneF plane(surface.plane);
+    const Facing facing(plane, viewpoints_);
+    std::vector<std::uint32_t> near;
+    collect(points_, plane, 1.5F * static_cast<float>(inlier_threshold(surface.sigma, params_)), facing, near);
+    for (const std::uint32_t i : near) {
+      if (surface.covers(points_.position(i))) free_[i] = 0;
+    }
+    std::vector<char> stays(sample_.size());
+    for (std::size_t i = 0; i < sample_.size(); ++i) stays[i] = free_[sample_.index[i]];
+    sample_.keep(stays);
+  }
+
+  const PointSet& points_;
+  const std::vector<Eigen::Vector3f>& viewpoints_;
+  const SegmentationParams& params_;
+  std::vector<char> free_;
+  PointSet sample_;
+  Random random_;
+  float threshold_ = 0;
+  float least_support_ = 0;
+  std::vector<Surface> surfaces_;
+};
+
+}  // namespace
+
+double inlier_threshold(double sigma, const SegmentationParams& params) {
+  return std::min(std::max(params.threshold_sigmas * sigma, params.min_threshold), params.max_threshold);
+}
+
+bool fit_trimmed(const PointSet& points, const SegmentationParams& params, Surface& surface) {
+  const Eigen::Vector3d facing = surface.plane.normal;
+  const std::vector<std::uint32_t> all = surface.members;
+  for (int step = 0; step < 4; ++step) {
+    surface.scatter = scatter_of(points, surface.members);
+    const PlaneFit fit = fit_plane(surface.scatter);
+    if (!fit.valid) return false;
+    surface.plane = fit.plane;
+    if (surface.plane.normal.dot(facing) < 0) surface.plane = {-fit.plane.normal, -fit.plane.d};
+    surface.sigma = std::sqrt(mean_squared_distance(surface.scatter, surface.plane));
+    if (step == 3) break;
+    const PlaneF plane(surface.plane);
+    const auto limit = static_cast<float>(inlier_threshold(surface.sigma, params));
+    surface.members.clear();
+    for (const std::uint32_t i : all) {
+      if (std::abs(points.distance(plane, i)) <= limit) surface.members.push_back(i);
+    }
+  }
+  return true;
+}
+
+bool large_enough(const PointSet& points, const Surface& surface, const SegmentationParams& params) {
+  if (surface.members.size() < static_cast<std::size_t>(params.min_points) || surface.sigma > params.max_rms) return false;
+  const PlaneFit fit = fit_plane(surface.scatter);
+  // An even rectangle of length l has the standard deviation l / sqrt(12).
+  if (!fit.valid || fit.spread[2] * std::sqrt(12.0) < params.min_length || fit.spread[1] * std::sqrt(12.0) < params.min_width) return false;
+  return outline_area(outline(points, surface.members, surface.plane)) >= params.min_area;
+}
+
+std::vector<Surface> extract_surfaces(const PointSet& points, const std::vector<Eigen::Vector3f>& viewpoints, const SegmentationParams& params) {
+  return Search(points, viewpoints, params).run();
+}
+
+}  // namespace sgraph

@@ -1,0 +1,190 @@
+#include "plane_grid.hpp"
+
+#include <algorithm>
+#include <numeric>
+
+#include <Eigen/Geometry>
+
+namespace sgraph {
+namespace {
+
+constexpr float cell_edge = 0.2F;     // [m]
+constexpr float most_cells = 400.0F;  // along one axis: larger planes get larger cells
+constexpr std::size_t outline_rows = 128;
+
+int root_of(std::vector<int>& parent, int cell) {
+  while (parent[static_cast<std::size_t>(cell)] != cell) {
+    const int above = parent[static_cast<std::size_t>(parent[static_cast<std::size_t>(cell)])];
+    cell = parent[static_cast<std::size_t>(cell)] = above;
+  }
+  return cell;
+}
+
+PlaneCells cells_around(const PointSet& points, const std::vector<std::uint32_t>& inliers, const PlaneF& plane) {
+  PlaneCells cells{PlaneAxes(plane.normal)};
+  Eigen::AlignedBox2f box;
+  for (const std::uint32_t i : inliers) box.extend(cells.axes(points.position(i)));
+  cells.edge = std::max(cell_edge, box.sizes().maxCoeff() / most_cells);
+  // At least one empty cell around, for the borders of masks.
+  cells.origin = box.min().array() - 1.5F * cells.edge;
+  cells.columns = static_cast<int>(box.sizes().x() / cells.edge) + 4;
+  cells.rows = static_cast<int>(box.sizes().y() / cells.edge) + 4;
+  return cells;
+}
+
+// How far each cell reaches for others, in cells; 0 for an empty one.
+std::vector<float> reaches(const PointSet& points, const std::vector<std::uint32_t>& inliers, const std::vector<int>& cell_of, const PlaneF& plane,
+                           const PlaneCells& cells, const SegmentationParams& params) {
+  std::vector<float> reach(static_cast<std::size_t>(cells.columns) * static_cast<std::size_t>(cells.rows), 0.0F);
+  const auto gap = static_cast<float>(params.gap);
+  const auto max_gap = static_cast<float>(std::max(params.gap, params.max_gap));
+  const float rings = 1.5F * static_cast<float>(params.beam_spacing) / std::max(std::abs(plane.d), 0.05F);
+  for (std::size_t k = 0; k < inliers.size(); ++k) {
+    float& own = reach[static_cast<std::size_t>(cell_of[k])];
+    if (own > 0) continue;
+    // Rings on a plane lie apart by range * spacing / cos(incidence) = range^2 * spacing / distance of the plane.
+    own = std::min(std::max(gap, rings * points.position(inliers[k]).squaredNorm()), max_gap) / cells.edge;
+  }
+  return reach;
+}
+
+void unite_within_reach(const PlaneCells& cells, const std::vector<float>& reach, std::vector<int>& parent) {
+  for (int row = 0; row < cells.rows; ++row) {
+    for (int column = 0; column < cells.columns; ++column) {
+      const int cell = row * cells.columns + column;
+      const float r = reach[static_cast<std::size_t>(cell)];
+      if (r <= 0) continue;
+      const int steps = static_cast<int>(std::ceil(r));
+      const float r2 = r * r;
+      int root = root_of(parent, cell);
+      for (int i = std::max(0, row - steps); i <= std::min(cells.rows - 1, row + steps); ++i) {
+        for (int j = std::max(0, column - steps); j <= std::min(cells.columns - 1, column + steps); ++j) {
+          const int other = i * cells.columns + j;
+          const auto dv = static_cast<float>(i - row), du = static_cast<float>(j - column);
+          if (reach[static_cast<std::size_t>(other)] <= 0 || parent[static_cast<std::size_t>(other)] == root || du * du + dv * dv > r2) continue;
+          const int other_root = root_of(parent, other);
+          parent[static_cast<std::size_t>(std::max(root, other_root))] = std::min(root, other_root);
+          root = std::min(root, other_root);
+        }
+      }
+    }
+  }
+}
+
+double cross(const Eigen::Vector2d& a, const Eigen::Vector2d& b, const Eigen::Vector2d& c) {
+  return (b.x() - a.x()) * (c.y() - a.y()) - (b.y() - a.y()) * (c.x() - a.x());
+}
+
+// Andrew's monotone chain, counter-clockwise.
+std::vector<Eigen::Vector2d> convex_hull(std::vector<Eigen::Vector2d> points) {
+  const auto before = [](const Eigen::Vector2d& a, const Eigen::Vector2d& b) { return a.x() < b.x() || (a.x() == b.x() && a.y() < b.y()); };
+  std::sort(points.begin(), points.end(), before);
+  points.erase(std::unique(points.begin(), points.end()), points.end());
+  if (points.size() < 3) return {};
+  std::vector<Eigen::Vector2d> hull(2 * points.size());
+  std::size_t k = 0;
+  const auto push = [&](const Eigen::Vector2d& p, std::size_t least) {
+    while (k >= least && cross(hull[k - 2], hull[k - 1], p) <= 0) --k;
+    hull[k++] = p;
+  };
+  for (const auto& p : points) push(p, 2);
+  const std::size_t lower = k + 1;
+  for (std::size_t i = points.size() - 1; i-- > 0;) push(points[i], lower);
+  hull.resize(k - 1);
+  if (hull.size() < 3) hull.clear();
+  return hull;
+}
+
+}  // namespace
+
+PlaneAxes::PlaneAxes(const Eigen::Vector3f& normal) {
+  const Eigen::Vector3f across = std::abs(normal.z()) < 0.9F ? Eigen::Vector3f::UnitZ().cross(normal) : Eigen::Vector3f::UnitY().cross(normal);
+  u = across.normalized();
+  v = normal.cross(u);
+}
+
+Pieces connected_pieces(const PointSet& points, const std::vector<std::uint32_t>& inliers, const PlaneF& plane, const SegmentationParams& params) {
+  Pieces result{cells_around(points, inliers, plane), {}};
+  if (inliers.empty()) return result;
+  const PlaneCells& cells = result.cells;
+  std::vector<int> cell_of(inliers.size());
+  for (std::size_t k = 0; k < inliers.size(); ++k) cell_of[k] = cells.at(points.position(inliers[k]));
+  std::vector<int> parent(static_cast<std::size_t>(cells.columns) * static_cast<std::size_t>(cells.rows));
+  std::iota(parent.begin(), parent.end(), 0);
+  const std::vector<float> reach = reaches(points, inliers, cell_of, plane, cells, params);
+  unite_within_reach(cells, reach, parent);
+
+  std::vector<int> number(parent.size(), -1);
+  for (std::size_t k = 0; k < inliers.size(); ++k) {
+    int& piece = number[static_cast<std::size_t>(root_of(parent, cell_of[k]))];
+    if (piece < 0) {
+      piece = static_cast<int>(result.pieces.size());
+      result.pieces.emplace_back();
+    }
+    result.pieces[static_cast<std::size_t>(piece)].members.push_back(inliers[k]);
+  }
+  for (int cell = 0; cell < cells.columns * cells.rows; ++cell) {
+    if (reach[static_cast<std::size_t>(cell)] <= 0) continue;
+    Piece& piece = result.pieces[static_cast<std::size_t>(number[static_cast<std::size_t>(root_of(parent, cell))])];
+    piece.cells.push_back(cell);
+    const Eigen::Vector2f corner =
+        cells.origin + cells.edge * Eigen::Vector2f(static_cast<float>(cell % cells.columns), static_cast<float>(cell / cells.columns));
+    piece.box.extend(corner);
+    piece.box.extend(Eigen::Vector2f(corner.array() + cells.edge));
+  }
+  return result;
+}
+
+Mask mask_of(const PlaneCells& cells, const std::vector<const Piece*>& pieces) {
+  Mask mask{cells, std::vector<char>(static_cast<std::size_t>(cells.columns) * static_cast<std::size_t>(cells.rows), 0)};
+  for (const Piece* piece : pieces) {
+    for (const int cell : piece->cells) {
+      for (int row = -1; row <= 1; ++row) {
+        for (int column = -1; column <= 1; ++column) mask.set[static_cast<std::size_t>(cell + row * cells.columns + column)] = 1;
+      }
+    }
+  }
+  return mask;
+}
+
+std::vector<Eigen::Vector3d> outline(const PointSet& points, const std::vector<std::uint32_t>& which, const Plane& plane) {
+  if (which.size() < 3) return {};
+  const PlaneAxes axes(plane.normal.cast<float>());
+  float low = std::numeric_limits<float>::infinity(), high = -low;
+  for (const std::uint32_t i : which) {
+    const float v = axes.v.dot(points.position(i));
+    low = std::min(low, v);
+    high = std::max(high, v);
+  }
+  // The hull's corners are among the leftmost and rightmost points of each of many thin rows.
+  const float scale = static_cast<float>(outline_rows) / std::max(high - low, 1e-3F) * 0.9999F;
+  struct Row {
+    Eigen::Vector2f left{std::numeric_limits<float>::infinity(), 0}, right{-std::numeric_limits<float>::infinity(), 0};
+  };
+  std::vector<Row> rows(outline_rows);
+  for (const std::uint32_t i : which) {
+    const Eigen::Vector2f q = axes(points.position(i));
+    Row& row = rows[std::min(static_cast<std::size_t>((q.y() - low) * scale), outline_rows - 1)];
+    if (q.x() < row.left.x()) row.left = q;
+    if (q.x() > row.right.x()) row.right = q;
+  }
+  std::vector<Eigen::Vector2d> ends;
+  for (const Row& row : rows) {
+    if (row.left.x() > row.right.x()) continue;
+    ends.emplace_back(row.left.cast<double>());
+    ends.emplace_back(row.right.cast<double>());
+  }
+  const Eigen::Vector3d u = (axes.u.cast<double>() - plane.normal.dot(axes.u.cast<double>()) * plane.normal).normalized();
+  const Eigen::Vector3d v = plane.normal.cross(u);
+  std::vector<Eigen::Vector3d> corners;
+  for (const Eigen::Vector2d& q : convex_hull(std::move(ends))) corners.push_back(q.x() * u + q.y() * v - plane.d * plane.normal);
+  return corners;
+}
+
+double outline_area(const std::vector<Eigen::Vector3d>& corners) {
+  Eigen::Vector3d twice = Eigen::Vector3d::Zero();
+  for (std::size_t i = 2; i < corners.size(); ++i) twice += (corners[i - 1] - corners[0]).cross(corners[i] - corners[0]);
+  return 0.5 * twice.norm();
+}
+
+}  // namespace sgraph

@@ -1,0 +1,89 @@
+#include "sgraph_slam/core/segmentation/plane_segmenter.hpp"
+
+#include <algorithm>
+#include <numeric>
+#include <stdexcept>
+
+#include "extraction.hpp"
+#include "finishing.hpp"
+#include "point_set.hpp"
+#include "sgraph_slam/core/segmentation/plane_fit.hpp"
+
+namespace sgraph {
+namespace {
+
+constexpr std::size_t most_viewpoints = 256;
+
+// At most 256 of them, evenly chosen; the origin when there are none.
+std::vector<Viewpoint> usable(const std::vector<Viewpoint>& given) {
+  if (given.empty()) return {Viewpoint{}};
+  if (given.size() <= most_viewpoints) return given;
+  std::vector<Viewpoint> chosen;
+  for (std::size_t k = 0; k < most_viewpoints; ++k) chosen.push_back(given[k * given.size() / most_viewpoints]);
+  return chosen;
+}
+
+PlaneSegment segment_of(const PointSet& points, const Surface& surface) {
+  PlaneSegment segment;
+  segment.plane = surface.plane;
+  segment.scatter = surface.scatter;
+  segment.sigma = surface.sigma;
+  segment.count = static_cast<int>(surface.members.size());
+  segment.centroid = surface.scatter.block<3, 1>(0, 3) / surface.scatter(3, 3);
+  segment.extent = outline(points, surface.members, surface.plane);
+  // Three degrees of freedom went into the plane; and no sensor is better than a millimetre.
+  const double n = surface.scatter(3, 3);
+  segment.covariance = plane_covariance(surface.plane, surface.scatter, std::max(1e-3, surface.sigma * std::sqrt(n / (n - 3))));
+  return segment;
+}
+
+}  // namespace
+
+std::vector<Viewpoint> viewpoints(const Keyframe& keyframe, const Pose& T_base_lidar) {
+  const Pose T_lidar_odom = (keyframe.T_odom_base * T_base_lidar).inverse();
+  std::vector<Viewpoint> result;
+  for (const StampedPose& scan : keyframe.scans) {
+    const Pose T_keyframe_lidar = T_lidar_odom * scan.pose * T_base_lidar;
+    result.push_back({scan.stamp - keyframe.stamp, T_keyframe_lidar.translation});
+  }
+  return result;
+}
+
+PlaneSegmenter::PlaneSegmenter(const SegmentationParams& params) : params_(params) {
+  if (params.min_threshold > params.max_threshold)
+    throw std::runtime_error("segmentation.min_threshold must not be above segmentation.max_threshold");
+  if (params.gap > params.max_gap) throw std::runtime_error("segmentation.gap must not be above segmentation.max_gap");
+}
+
+PlaneSegments PlaneSegmenter::process(const Cloud& cloud, std::vector<int>* labels) const { return process(cloud, {}, labels); }
+
+PlaneSegments PlaneSegmenter::process(const Cloud& cloud, const std::vector<Viewpoint>& given, std::vector<int>* labels) const {
+  PlaneSegments result;
+  result.stamp = cloud.stamp;
+  const std::vector<Viewpoint> viewpoints = usable(given);
+  const PointSet points = point_set(cloud, viewpoints);
+  std::vector<Eigen::Vector3f> positions;
+  for (const Viewpoint& viewpoint : viewpoints) positions.emplace_back(viewpoint.position.cast<float>());
+
+  std::vector<Surface> surfaces = merge_coplanar(points, extract_surfaces(points, positions, params_), params_);
+  std::vector<int> owners;
+  surfaces = reassign(points, positions, std::move(surfaces), params_, owners);
+
+  std::vector<std::size_t> order(surfaces.size());
+  std::iota(order.begin(), order.end(), 0U);
+  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return surfaces[a].members.size() > surfaces[b].members.size(); });
+  std::vector<int> rank(surfaces.size());
+  for (std::size_t k = 0; k < order.size(); ++k) {
+    rank[order[k]] = static_cast<int>(k);
+    result.segments.push_back(segment_of(points, surfaces[order[k]]));
+  }
+  if (labels != nullptr) {
+    labels->assign(cloud.size(), -1);
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      if (owners[i] >= 0) (*labels)[points.index[i]] = rank[static_cast<std::size_t>(owners[i])];
+    }
+  }
+  return result;
+}
+
+}  // namespace sgraph

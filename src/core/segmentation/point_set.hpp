@@ -1,0 +1,91 @@
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "sgraph_slam/core/segmentation/plane_segmenter.hpp"
+#include "sgraph_slam/core/types/cloud.hpp"
+
+namespace sgraph {
+
+/// A plane in single precision, for tests of many points.
+struct PlaneF {
+  Eigen::Vector3f normal = Eigen::Vector3f::UnitZ();
+  float d = 0;
+
+  PlaneF() = default;
+  explicit PlaneF(const Plane& plane) : normal(plane.normal.cast<float>()), d(static_cast<float>(plane.d)) {}
+  [[nodiscard]] Plane exact() const { return {normal.cast<double>().normalized(), d}; }
+  [[nodiscard]] float distance(const Eigen::Vector3f& p) const { return normal.dot(p) + d; }
+};
+
+/// Points coordinate by coordinate, so that tests against a plane run several at a time; with the viewpoint each was seen from.
+struct PointSet {
+  std::vector<float> x, y, z;
+  std::vector<std::uint8_t> view;
+  std::vector<std::uint32_t> index;  ///< in the cloud
+
+  [[nodiscard]] std::size_t size() const { return x.size(); }
+  [[nodiscard]] Eigen::Vector3f position(std::size_t i) const { return {x[i], y[i], z[i]}; }
+  [[nodiscard]] float distance(const PlaneF& plane, std::size_t i) const {
+    return plane.normal.x() * x[i] + plane.normal.y() * y[i] + plane.normal.z() * z[i] + plane.d;
+  }
+  void reserve(std::size_t count);
+  void add(const Eigen::Vector3f& p, std::uint8_t from, std::uint32_t at);
+  /// Drops the points whose flag isn't set; the others keep their order.
+  void keep(const std::vector<char>& flags);
+};
+
+/// The finite points of the cloud, each with the viewpoint nearest in time. At most 256 viewpoints.
+PointSet point_set(const Cloud& cloud, const std::vector<Viewpoint>& viewpoints);
+
+/// On which viewpoints' side of a plane the normal points.
+class Facing {
+ public:
+  Facing(const PlaneF& plane, const std::vector<Eigen::Vector3f>& viewpoints) : sees_(viewpoints.size()) {
+    for (std::size_t k = 0; k < viewpoints.size(); ++k) sees_[k] = plane.distance(viewpoints[k]) > 0 ? 1 : 0;
+    all_ = std::find(sees_.begin(), sees_.end(), 0) == sees_.end();
+  }
+  [[nodiscard]] bool all() const { return all_; }
+  [[nodiscard]] bool from(std::uint8_t viewpoint) const { return sees_[viewpoint] != 0; }
+
+ private:
+  std::vector<char> sees_;
+  bool all_ = false;
+};
+
+/// Truncated quadratic score of a plane: near 1 for a point on it, 0 at `threshold`, down to -1 for points just beside it, 0 for the rest. A thin
+/// sheet scores about its number of points; a plane laid through a volume of clutter scores below 0. Points that the plane doesn't face count
+/// nothing.
+float score(const PointSet& points, const PlaneF& plane, float threshold, const Facing& facing);
+
+/// Positions in the set of the points within `threshold` of the plane that it faces, in order.
+void collect(const PointSet& points, const PlaneF& plane, float threshold, const Facing& facing, std::vector<std::uint32_t>& inliers);
+
+/// Sum of [p; 1][p; 1]^T.
+Eigen::Matrix4d scatter_of(const PointSet& points, const std::vector<std::uint32_t>& which);
+
+/// 64-bit mixer (Steele et al. 2014, splitmix64) as a small random number generator: the same numbers with every standard library.
+class Random {
+ public:
+  explicit Random(std::uint64_t seed) : state_(seed) {}
+  std::uint64_t next() {
+    std::uint64_t z = (state_ += 0x9E3779B97F4A7C15ULL);
+    z = (z ^ (z >> 30)) * 0xBF58476D1CE4E5B9ULL;
+    z = (z ^ (z >> 27)) * 0x94D049BB133111EBULL;
+    return z ^ (z >> 31);
+  }
+  /// 0 .. bound - 1; bound > 0.
+  std::size_t below(std::size_t bound) { return static_cast<std::size_t>(next() % bound); }
+
+ private:
+  std::uint64_t state_;
+};
+
+/// A number that depends on every coordinate of the points.
+std::uint64_t fingerprint(const PointSet& points);
+
+}  // namespace sgraph
