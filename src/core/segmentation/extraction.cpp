@@ -42,16 +42,22 @@ bool lies_on(const PointSet& points, const Piece& piece, const Surface& surface)
 class Search {
  public:
   Search(const PointSet& points, const std::vector<Eigen::Vector3f>& viewpoints, const SegmentationParams& params)
-      : points_(points), viewpoints_(viewpoints), params_(params), free_(points.size(), 1), sample_(thinned(points)), random_(fingerprint(points)) {}
+      : points_(points),
+        viewpoints_(viewpoints),
+        params_(params),
+        free_(points.size(), 1),
+        sample_(thinned(points)),
+        random_(fingerprint(points)),
+        limits_{params} {}
 
-  std::vector<Surface> run() {
+  Extraction run() {
     // Support that a surface of the smallest size could have, of either measure.
     least_support_ = std::max(8.0F, 0.3F * static_cast<float>(params_.min_area / (sample_leaf * sample_leaf)));
     least_support_ = std::min(least_support_, 0.5F * static_cast<float>(params_.min_points));
     for (int round = 0; round < rounds && sample_.size() >= 8; ++round) {
       if (!search_round()) break;
     }
-    return std::move(surfaces_);
+    return {std::move(surfaces_), limits_.noise};
   }
 
  private:
@@ -63,11 +69,16 @@ class Search {
     bool operator<(const Candidate& other) const { return support < other.support || (support == other.support && number > other.number); }
   };
 
+  void set_noise(double noise) {
+    limits_.noise = noise;
+    threshold_ = static_cast<float>(limits_.distance(noise));
+  }
+
   float support(const PlaneF& plane) const { return score(sample_, plane, threshold_, Facing(plane, viewpoints_)); }
 
   bool search_round() {
     const std::vector<Hypothesis> hypotheses = sample_hypotheses(sample_, viewpoints_, params_.seeds, random_);
-    if (surfaces_.empty()) threshold_ = static_cast<float>(inlier_threshold(estimate_noise(hypotheses, default_noise), params_));
+    if (surfaces_.empty()) set_noise(estimate_noise(hypotheses, default_noise));
     std::priority_queue<Candidate> queue;
     for (std::size_t i = 0; i < hypotheses.size(); ++i) {
       const float s = support(hypotheses[i].plane);
@@ -128,8 +139,8 @@ class Search {
       Surface surface;
       surface.plane = plane.exact();
       surface.members = piece.members;
-      if (piece.members.size() >= static_cast<std::size_t>(params_.min_points) && fit_trimmed(points_, params_, surface) &&
-          large_enough(points_, surface, params_)) {
+      if (piece.members.size() >= static_cast<std::size_t>(params_.min_points) && fit_trimmed(points_, limits_, surface) &&
+          large_enough(points_, surface, limits_)) {
         found.push_back(std::move(surface));
         parts.push_back({&piece});
       } else {
@@ -155,7 +166,7 @@ class Search {
     const PlaneF plane(surface.plane);
     const Facing facing(plane, viewpoints_);
     std::vector<std::uint32_t> near;
-    collect(points_, plane, 1.5F * static_cast<float>(inlier_threshold(surface.sigma, params_)), facing, near);
+    collect(points_, plane, 1.5F * static_cast<float>(limits_.distance(surface.sigma)), facing, near);
     for (const std::uint32_t i : near) {
       if (surface.covers(points_.position(i))) free_[i] = 0;
     }
@@ -170,6 +181,7 @@ class Search {
   std::vector<char> free_;
   PointSet sample_;
   Random random_;
+  Limits limits_;
   float threshold_ = 0;
   float least_support_ = 0;
   std::vector<Surface> surfaces_;
@@ -177,11 +189,13 @@ class Search {
 
 }  // namespace
 
-double inlier_threshold(double sigma, const SegmentationParams& params) {
-  return std::min(std::max(params.threshold_sigmas * sigma, params.min_threshold), params.max_threshold);
+double Limits::distance(double sigma) const {
+  return std::min(std::max(params.threshold_sigmas * std::max(sigma, noise), params.min_threshold), params.max_threshold);
 }
 
-bool fit_trimmed(const PointSet& points, const SegmentationParams& params, Surface& surface) {
+double Limits::rms() const { return std::min(std::max(1.4 * noise, 0.01), params.max_rms); }
+
+bool fit_trimmed(const PointSet& points, const Limits& limits, Surface& surface) {
   const Eigen::Vector3d facing = surface.plane.normal;
   const std::vector<std::uint32_t> all = surface.members;
   for (int step = 0; step < 4; ++step) {
@@ -193,7 +207,7 @@ bool fit_trimmed(const PointSet& points, const SegmentationParams& params, Surfa
     surface.sigma = std::sqrt(mean_squared_distance(surface.scatter, surface.plane));
     if (step == 3) break;
     const PlaneF plane(surface.plane);
-    const auto limit = static_cast<float>(inlier_threshold(surface.sigma, params));
+    const auto limit = static_cast<float>(limits.distance(surface.sigma));
     surface.members.clear();
     for (const std::uint32_t i : all) {
       if (std::abs(points.distance(plane, i)) <= limit) surface.members.push_back(i);
@@ -202,15 +216,16 @@ bool fit_trimmed(const PointSet& points, const SegmentationParams& params, Surfa
   return true;
 }
 
-bool large_enough(const PointSet& points, const Surface& surface, const SegmentationParams& params) {
-  if (surface.members.size() < static_cast<std::size_t>(params.min_points) || surface.sigma > params.max_rms) return false;
+bool large_enough(const PointSet& points, const Surface& surface, const Limits& limits) {
+  const SegmentationParams& params = limits.params;
+  if (surface.members.size() < static_cast<std::size_t>(params.min_points) || surface.sigma > limits.rms()) return false;
   const PlaneFit fit = fit_plane(surface.scatter);
   // An even rectangle of length l has the standard deviation l / sqrt(12).
   if (!fit.valid || fit.spread[2] * std::sqrt(12.0) < params.min_length || fit.spread[1] * std::sqrt(12.0) < params.min_width) return false;
   return outline_area(outline(points, surface.members, surface.plane)) >= params.min_area;
 }
 
-std::vector<Surface> extract_surfaces(const PointSet& points, const std::vector<Eigen::Vector3f>& viewpoints, const SegmentationParams& params) {
+Extraction extract_surfaces(const PointSet& points, const std::vector<Eigen::Vector3f>& viewpoints, const SegmentationParams& params) {
   return Search(points, viewpoints, params).run();
 }
 

@@ -16,23 +16,23 @@ Eigen::AlignedBox2f box_of(const PointSet& points, const Surface& surface, const
   return box;
 }
 
-// Whether the part lies on the common plane: its squared distances grow by no more than a third of its sigma, beyond what its fit leaves to chance
+// Whether the part lies on the common plane: its squared distances grow by less than a third of the noise, beyond what its own fit leaves to chance
 // (chi-square of three, 99.3 %).
-bool fits(const Surface& part, const Plane& common) {
+bool fits(const Surface& part, const Plane& common, double noise) {
   const auto n = static_cast<double>(part.members.size());
   const double variance = part.sigma * part.sigma;
-  return mean_squared_distance(part.scatter, common) - variance <= variance * (0.1 + 12.0 / n);
+  return mean_squared_distance(part.scatter, common) - variance <= 0.1 * noise * noise + 12.0 * variance / n;
 }
 
-bool joinable(const PointSet& points, const Surface& a, const Surface& b, const SegmentationParams& params, Plane& common) {
+bool joinable(const PointSet& points, const Surface& a, const Surface& b, const Limits& limits, Plane& common) {
   if (a.plane.normal.dot(b.plane.normal) < parallel) return false;
   const PlaneFit fit = fit_plane(a.scatter + b.scatter);
   if (!fit.valid) return false;
   common = fit.plane;
   if (common.normal.dot(a.plane.normal) < 0) common = {-common.normal, -common.d};
-  if (!fits(a, common) || !fits(b, common)) return false;
+  if (!fits(a, common, limits.noise) || !fits(b, common, limits.noise)) return false;
   const PlaneAxes axes(a.plane.normal.cast<float>());
-  return gap_between(box_of(points, a, axes), box_of(points, b, axes)) <= static_cast<float>(params.merge_gap);
+  return gap_between(box_of(points, a, axes), box_of(points, b, axes)) <= static_cast<float>(limits.params.merge_gap);
 }
 
 void join(Surface& a, Surface& b, const Plane& common) {
@@ -51,15 +51,14 @@ struct Claims {
   std::vector<char> contested;  // it lies in another surface too
 };
 
-Claims claims_of(const PointSet& points, const std::vector<Eigen::Vector3f>& viewpoints, const std::vector<Surface>& surfaces,
-                 const SegmentationParams& params) {
+Claims claims_of(const PointSet& points, const std::vector<Eigen::Vector3f>& viewpoints, const std::vector<Surface>& surfaces, const Limits& limits) {
   Claims claims{std::vector<int>(points.size(), -1), std::vector<float>(points.size(), std::numeric_limits<float>::infinity()),
                 std::vector<char>(points.size(), 0)};
   std::vector<std::uint32_t> near;
   for (std::size_t s = 0; s < surfaces.size(); ++s) {
     const Surface& surface = surfaces[s];
     const PlaneF plane(surface.plane);
-    const auto limit = static_cast<float>(inlier_threshold(surface.sigma, params));
+    const auto limit = static_cast<float>(limits.distance(surface.sigma));
     collect(points, plane, limit, Facing(plane, viewpoints), near);
     for (const std::uint32_t i : near) {
       if (!surface.covers(points.position(i))) continue;
@@ -79,14 +78,14 @@ Claims claims_of(const PointSet& points, const std::vector<Eigen::Vector3f>& vie
 
 }  // namespace
 
-std::vector<Surface> merge_coplanar(const PointSet& points, std::vector<Surface> surfaces, const SegmentationParams& params) {
+std::vector<Surface> merge_coplanar(const PointSet& points, std::vector<Surface> surfaces, const Limits& limits) {
   bool changed = true;
   while (changed) {
     changed = false;
     for (std::size_t a = 0; a < surfaces.size(); ++a) {
       for (std::size_t b = a + 1; b < surfaces.size();) {
         Plane common;
-        if (!joinable(points, surfaces[a], surfaces[b], params, common)) {
+        if (!joinable(points, surfaces[a], surfaces[b], limits, common)) {
           ++b;
           continue;
         }
@@ -100,8 +99,8 @@ std::vector<Surface> merge_coplanar(const PointSet& points, std::vector<Surface>
 }
 
 std::vector<Surface> reassign(const PointSet& points, const std::vector<Eigen::Vector3f>& viewpoints, std::vector<Surface> surfaces,
-                              const SegmentationParams& params, std::vector<int>& labels) {
-  const Claims claims = claims_of(points, viewpoints, surfaces, params);
+                              const Limits& limits, std::vector<int>& labels) {
+  const Claims claims = claims_of(points, viewpoints, surfaces, limits);
   for (Surface& surface : surfaces) surface.members.clear();
   for (std::size_t i = 0; i < points.size(); ++i) {
     if (claims.owner[i] >= 0 && !claims.contested[i])
@@ -110,7 +109,7 @@ std::vector<Surface> reassign(const PointSet& points, const std::vector<Eigen::V
   std::vector<Surface> kept;
   std::vector<int> number(surfaces.size(), -1);
   for (std::size_t s = 0; s < surfaces.size(); ++s) {
-    if (!fit_trimmed(points, params, surfaces[s]) || !large_enough(points, surfaces[s], params)) continue;
+    if (!fit_trimmed(points, limits, surfaces[s]) || !large_enough(points, surfaces[s], limits)) continue;
     number[s] = static_cast<int>(kept.size());
     kept.push_back(std::move(surfaces[s]));
   }

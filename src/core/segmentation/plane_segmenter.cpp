@@ -65,9 +65,10 @@ PlaneSegments PlaneSegmenter::process(const Cloud& cloud, const std::vector<View
   std::vector<Eigen::Vector3f> positions;
   for (const Viewpoint& viewpoint : viewpoints) positions.emplace_back(viewpoint.position.cast<float>());
 
-  std::vector<Surface> surfaces = merge_coplanar(points, extract_surfaces(points, positions, params_), params_);
+  Extraction extraction = extract_surfaces(points, positions, params_);
+  const Limits limits{params_, extraction.noise};
   std::vector<int> owners;
-  surfaces = reassign(points, positions, std::move(surfaces), params_, owners);
+  const std::vector<Surface> surfaces = reassign(points, positions, merge_coplanar(points, std::move(extraction.surfaces), limits), limits, owners);
 
   std::vector<std::size_t> order(surfaces.size());
   std::iota(order.begin(), order.end(), 0U);
