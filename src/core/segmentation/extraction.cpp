@@ -47,7 +47,7 @@ class Search {
         params_(params),
         free_(points.size(), 1),
         sample_(thinned(points)),
-        random_(fingerprint(points)),
+        random_(fingerprint(points), 0),
         limits_{params} {}
 
   Extraction run() {
@@ -180,7 +180,7 @@ class Search {
   const SegmentationParams& params_;
   std::vector<char> free_;
   PointSet sample_;
-  Random random_;
+  RandomStream random_;
   Limits limits_;
   float threshold_ = 0;
   float least_support_ = 0;

@@ -87,26 +87,26 @@ class CellIndex {
 };
 
 // One random seed point in each of up to `count` cells of the level.
-std::vector<std::uint32_t> seeds(const PointSet& points, const CellIndex& cells, const Level& level, std::size_t count, Random& random) {
+std::vector<std::uint32_t> seeds(const PointSet& points, const CellIndex& cells, const Level& level, std::size_t count, RandomStream& random) {
   std::vector<std::uint32_t> chosen;
   for (std::size_t c = 0; c < cells.cells(); ++c) {
-    const std::uint32_t seed = cells.member(c, random.below(cells.count(c)));
+    const std::uint32_t seed = cells.member(c, draw(random, cells.count(c)));
     const float range = points.position(seed).norm();
     if (range >= level.min_range && range < level.max_range) chosen.push_back(seed);
   }
-  for (std::size_t i = 0; i + 1 < chosen.size() && i < count; ++i) std::swap(chosen[i], chosen[i + random.below(chosen.size() - i)]);
+  for (std::size_t i = 0; i + 1 < chosen.size() && i < count; ++i) std::swap(chosen[i], chosen[i + draw(random, chosen.size() - i)]);
   if (chosen.size() > count) chosen.resize(count);
   return chosen;
 }
 
 // Plane through three of the points for which half of all points lie nearest; returns that median distance.
-float least_median_plane(const PointSet& points, const std::vector<std::uint32_t>& which, Random& random, PlaneF& best) {
+float least_median_plane(const PointSet& points, const std::vector<std::uint32_t>& which, RandomStream& random, PlaneF& best) {
   float best_median = std::numeric_limits<float>::infinity();
   std::vector<float> distances(which.size());
   for (int trial = 0; trial < triples; ++trial) {
-    const Eigen::Vector3f a = points.position(which[random.below(which.size())]);
-    const Eigen::Vector3f b = points.position(which[random.below(which.size())]);
-    const Eigen::Vector3f c = points.position(which[random.below(which.size())]);
+    const Eigen::Vector3f a = points.position(which[draw(random, which.size())]);
+    const Eigen::Vector3f b = points.position(which[draw(random, which.size())]);
+    const Eigen::Vector3f c = points.position(which[draw(random, which.size())]);
     PlaneF plane;
     plane.normal = (b - a).cross(c - a);
     const float area = plane.normal.norm();
@@ -125,7 +125,7 @@ float least_median_plane(const PointSet& points, const std::vector<std::uint32_t
 }
 
 // Plane of the majority of the points, which are cut down to it.
-PlaneFit fit_majority(const PointSet& points, std::vector<std::uint32_t>& which, Random& random) {
+PlaneFit fit_majority(const PointSet& points, std::vector<std::uint32_t>& which, RandomStream& random) {
   const PlaneFit all = fit_plane(scatter_of(points, which));
   if (all.valid && all.spread[0] < 0.25 * flat && all.spread[0] < 0.2 * all.spread[1]) return all;
   PlaneF plane;
@@ -137,7 +137,7 @@ PlaneFit fit_majority(const PointSet& points, std::vector<std::uint32_t>& which,
 }
 
 bool hypothesis_at(const PointSet& points, std::vector<std::uint32_t>& which, const std::vector<Eigen::Vector3f>& viewpoints, float edge,
-                   Random& random, Hypothesis& result) {
+                   RandomStream& random, Hypothesis& result) {
   if (which.size() < 8) return false;
   if (which.size() > neighbourhood_limit) {
     for (std::size_t i = 0; i < neighbourhood_limit; ++i) which[i] = which[i * which.size() / neighbourhood_limit];
@@ -166,7 +166,7 @@ bool hypothesis_at(const PointSet& points, std::vector<std::uint32_t>& which, co
 
 }  // namespace
 
-std::vector<Hypothesis> sample_hypotheses(const PointSet& points, const std::vector<Eigen::Vector3f>& viewpoints, int count, Random& random) {
+std::vector<Hypothesis> sample_hypotheses(const PointSet& points, const std::vector<Eigen::Vector3f>& viewpoints, int count, RandomStream& random) {
   std::vector<Hypothesis> hypotheses;
   std::vector<std::uint32_t> near;
   std::array<std::size_t, levels.size()> in_level{};

@@ -20,15 +20,15 @@ int root_of(std::vector<int>& parent, int cell) {
   return cell;
 }
 
-PlaneCells cells_around(const PointSet& points, const std::vector<std::uint32_t>& inliers, const PlaneF& plane) {
+PlaneCells cells_around(const PointSet& points, const std::vector<std::uint32_t>& inliers, const PlaneF& plane, float max_gap) {
   PlaneCells cells{PlaneAxes(plane.normal)};
   Eigen::AlignedBox2f box;
   for (const std::uint32_t i : inliers) box.extend(cells.axes(points.position(i)));
   cells.edge = std::max(cell_edge, box.sizes().maxCoeff() / most_cells);
-  // At least one empty cell around, for the borders of masks.
-  cells.origin = box.min().array() - 1.5F * cells.edge;
-  cells.columns = static_cast<int>(box.sizes().x() / cells.edge) + 4;
-  cells.rows = static_cast<int>(box.sizes().y() / cells.edge) + 4;
+  const float border = cells.edge + max_gap;  // room for masks
+  cells.origin = box.min().array() - border;
+  cells.columns = static_cast<int>((box.sizes().x() + 2 * border) / cells.edge) + 1;
+  cells.rows = static_cast<int>((box.sizes().y() + 2 * border) / cells.edge) + 1;
   return cells;
 }
 
@@ -104,7 +104,7 @@ PlaneAxes::PlaneAxes(const Eigen::Vector3f& normal) {
 }
 
 Pieces connected_pieces(const PointSet& points, const std::vector<std::uint32_t>& inliers, const PlaneF& plane, const SegmentationParams& params) {
-  Pieces result{cells_around(points, inliers, plane), {}};
+  Pieces result{cells_around(points, inliers, plane, static_cast<float>(std::max(params.gap, params.max_gap))), {}};
   if (inliers.empty()) return result;
   const PlaneCells& cells = result.cells;
   std::vector<int> cell_of(inliers.size());
@@ -127,6 +127,7 @@ Pieces connected_pieces(const PointSet& points, const std::vector<std::uint32_t>
     if (reach[static_cast<std::size_t>(cell)] <= 0) continue;
     Piece& piece = result.pieces[static_cast<std::size_t>(number[static_cast<std::size_t>(root_of(parent, cell))])];
     piece.cells.push_back(cell);
+    piece.reach.push_back(reach[static_cast<std::size_t>(cell)]);
     const Eigen::Vector2f corner =
         cells.origin + cells.edge * Eigen::Vector2f(static_cast<float>(cell % cells.columns), static_cast<float>(cell / cells.columns));
     piece.box.extend(corner);
@@ -138,9 +139,14 @@ Pieces connected_pieces(const PointSet& points, const std::vector<std::uint32_t>
 Mask mask_of(const PlaneCells& cells, const std::vector<const Piece*>& pieces) {
   Mask mask{cells, std::vector<char>(static_cast<std::size_t>(cells.columns) * static_cast<std::size_t>(cells.rows), 0)};
   for (const Piece* piece : pieces) {
-    for (const int cell : piece->cells) {
-      for (int row = -1; row <= 1; ++row) {
-        for (int column = -1; column <= 1; ++column) mask.set[static_cast<std::size_t>(cell + row * cells.columns + column)] = 1;
+    for (std::size_t k = 0; k < piece->cells.size(); ++k) {
+      const int row = piece->cells[k] / cells.columns, column = piece->cells[k] % cells.columns;
+      const float reach = std::max(piece->reach[k], 1.0F);
+      const int steps = static_cast<int>(reach);
+      for (int i = std::max(0, row - steps); i <= std::min(cells.rows - 1, row + steps); ++i) {
+        const int width = static_cast<int>(std::sqrt(reach * reach - static_cast<float>((i - row) * (i - row))));
+        const auto first = mask.set.begin() + i * cells.columns;
+        std::fill(first + std::max(0, column - width), first + std::min(cells.columns - 1, column + width) + 1, 1);
       }
     }
   }

@@ -36,7 +36,8 @@ struct PlaneCells {
 struct Piece {
   std::vector<std::uint32_t> members;  ///< positions in the point set
   std::vector<int> cells;
-  Eigen::AlignedBox2f box;  ///< of the cells, along the axes
+  std::vector<float> reach;  ///< of each of these cells, in cells
+  Eigen::AlignedBox2f box;   ///< of the cells, along the axes
 };
 
 struct Pieces {
@@ -51,7 +52,7 @@ Pieces connected_pieces(const PointSet& points, const std::vector<std::uint32_t>
 /// Distance between two boxes along the axes [m]; 0 when they touch.
 inline float gap_between(const Eigen::AlignedBox2f& a, const Eigen::AlignedBox2f& b) { return a.exteriorDistance(b); }
 
-/// Part of a plane that a segment covers: the cells of its pieces with a border of one cell.
+/// Part of a plane that a segment covers: its pieces' cells and all within their reach, where a point would be connected to them.
 struct Mask {
   PlaneCells cells;
   std::vector<char> set;

@@ -67,8 +67,10 @@ PlaneSegments PlaneSegmenter::process(const Cloud& cloud, const std::vector<View
 
   Extraction extraction = extract_surfaces(points, positions, params_);
   const Limits limits{params_, extraction.noise};
+  // Cleaned of each other's points first: a far strip of the floor with some of the wall's foot in it wouldn't lie on the floor.
   std::vector<int> owners;
-  const std::vector<Surface> surfaces = reassign(points, positions, merge_coplanar(points, std::move(extraction.surfaces), limits), limits, owners);
+  std::vector<Surface> surfaces = reassign(points, positions, std::move(extraction.surfaces), limits, owners);
+  surfaces = reassign(points, positions, merge_coplanar(points, std::move(surfaces), limits), limits, owners);
 
   std::vector<std::size_t> order(surfaces.size());
   std::iota(order.begin(), order.end(), 0U);

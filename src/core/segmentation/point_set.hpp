@@ -8,6 +8,7 @@
 
 #include "sgraph_slam/core/segmentation/plane_segmenter.hpp"
 #include "sgraph_slam/core/types/cloud.hpp"
+#include "sgraph_slam/core/util/rng.hpp"
 
 namespace sgraph {
 
@@ -68,22 +69,10 @@ void collect(const PointSet& points, const PlaneF& plane, float threshold, const
 /// Sum of [p; 1][p; 1]^T.
 Eigen::Matrix4d scatter_of(const PointSet& points, const std::vector<std::uint32_t>& which);
 
-/// 64-bit mixer (Steele et al. 2014, splitmix64) as a small random number generator: the same numbers with every standard library.
-class Random {
- public:
-  explicit Random(std::uint64_t seed) : state_(seed) {}
-  std::uint64_t next() {
-    std::uint64_t z = (state_ += 0x9E3779B97F4A7C15ULL);
-    z = (z ^ (z >> 30)) * 0xBF58476D1CE4E5B9ULL;
-    z = (z ^ (z >> 27)) * 0x94D049BB133111EBULL;
-    return z ^ (z >> 31);
-  }
-  /// 0 .. bound - 1; bound > 0.
-  std::size_t below(std::size_t bound) { return static_cast<std::size_t>(next() % bound); }
-
- private:
-  std::uint64_t state_;
-};
+/// A number from 0 to bound - 1.
+inline std::size_t draw(RandomStream& random, std::size_t bound) {
+  return std::min(static_cast<std::size_t>(random.next_uniform() * static_cast<double>(bound)), bound - 1);
+}
 
 /// A number that depends on every coordinate of the points.
 std::uint64_t fingerprint(const PointSet& points);

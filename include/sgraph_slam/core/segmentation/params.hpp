@@ -5,7 +5,7 @@
 namespace sgraph {
 
 struct SegmentationParams {
-  double threshold_sigmas = 3.0;
+  double threshold_sigmas = 2.5;
   double min_threshold = 0.02;
   double max_threshold = 0.12;
   double beam_spacing = 0.035;
