@@ -1,0 +1,178 @@
+#include "sgraph_slam/core/graph/serialization.hpp"
+
+#include <stdexcept>
+
+#include "json_values.hpp"
+#include "sgraph_slam/core/graph/value_checks.hpp"
+
+namespace sgraph {
+namespace {
+
+using Json = nlohmann::json;
+
+constexpr int format = 1;
+
+Json factors_json(const std::map<FactorId, Factor>& factors) {
+  Json out = Json::array();
+  for (const auto& [id, factor] : factors) out.push_back(factor_json(id, factor));
+  return out;
+}
+
+Json merges_json(const std::map<PlaneId, MergeRecord>& merges) {
+  Json out = Json::array();
+  for (const auto& [id, record] : merges) {
+    Json repointed = Json::array();
+    for (const FactorId factor : record.repointed) repointed.push_back(factor.value);
+    out.push_back({{"merged", id.value},
+                   {"kept", record.kept.value},
+                   {"plane", plane_json(record.plane)},
+                   {"repointed", repointed},
+                   {"dropped", factors_json(record.dropped)}});
+  }
+  return out;
+}
+
+}  // namespace
+
+Json pose_json(const Pose& pose) {
+  const Eigen::Vector4d q = pose.rotation.coeffs();
+  return {pose.translation[0], pose.translation[1], pose.translation[2], q[0], q[1], q[2], q[3]};
+}
+
+Pose pose_from(const Json& json) {
+  const auto v = vector_from<7>(json);
+  Pose pose;
+  pose.translation = v.head<3>();
+  pose.rotation.coeffs() = v.tail<4>();
+  return pose;
+}
+
+Json plane_json(const Plane& plane) { return {plane.normal[0], plane.normal[1], plane.normal[2], plane.d}; }
+
+Plane plane_from(const Json& json) {
+  const auto v = vector_from<4>(json);
+  return {v.head<3>(), v[3]};
+}
+
+/// Fills a graph from JSON and checks that it hangs together.
+struct GraphReader {
+  Graph graph;
+
+  template <class Key, class Value>
+  static void add(std::map<Key, Value>& to, const Json& json, const Value& value, const char* what) {
+    const Key id{json.at("id").template get<std::int64_t>()};
+    if (!id.valid() || !valid(value)) throw std::runtime_error(std::string("invalid ") + what + " " + std::to_string(id.value));
+    if (!to.emplace(id, value).second) throw std::runtime_error(std::string(what) + " " + std::to_string(id.value) + " is given twice");
+  }
+
+  void read_variables(const Json& json) {
+    for (const Json& k : json.at("keyframes")) add(graph.keyframes_, k, pose_from(k.at("pose")), "keyframe");
+    for (const Json& p : json.at("planes")) add(graph.planes_, p, Plane{vector_from<3>(p.at("normal")), p.at("d").get<double>()}, "plane");
+    for (const Json& r : json.at("rooms")) {
+      const Room room{r.at("yaw").get<double>(), r.at("z").get<double>(), vector_from<2>(r.at("position")), vector_from<2>(r.at("width"))};
+      add(graph.rooms_, r, room, "room");
+    }
+    for (const Json& c : json.at("corridors")) {
+      const Corridor corridor{c.at("yaw").get<double>(), c.at("along").get<double>(), c.at("z").get<double>(), c.at("position").get<double>(),
+                              c.at("width").get<double>()};
+      add(graph.corridors_, c, corridor, "corridor");
+    }
+  }
+
+  static std::map<FactorId, Factor> factors_from(const Json& json) {
+    std::map<FactorId, Factor> out;
+    for (const Json& f : json) {
+      const FactorId id{f.at("id").get<std::int64_t>()};
+      const Factor factor = factor_from(f);
+      if (!id.valid() || !valid(factor)) throw std::runtime_error("invalid factor " + std::to_string(id.value));
+      if (!out.emplace(id, factor).second) throw std::runtime_error("factor " + std::to_string(id.value) + " is given twice");
+    }
+    return out;
+  }
+
+  void read_factors(const Json& json) {
+    graph.factors_ = factors_from(json);
+    for (const auto& [id, factor] : graph.factors_) {
+      for (const VariableId& variable : blocks(factor.data)) {
+        if (!graph.contains(variable))
+          throw std::runtime_error("factor " + std::to_string(id.value) + " names " + to_string(variable) + ", which isn't there");
+        if (!graph.factors_of_[variable].insert(id).second)
+          throw std::runtime_error("factor " + std::to_string(id.value) + " names " + to_string(variable) + " twice");
+      }
+    }
+  }
+
+  void read_merges(const Json& json) {
+    for (const Json& m : json) {
+      MergeRecord record;
+      const PlaneId merged{m.at("merged").get<std::int64_t>()};
+      record.kept = {m.at("kept").get<std::int64_t>()};
+      record.plane = plane_from(m.at("plane"));
+      for (const Json& id : m.at("repointed")) record.repointed.insert({id.get<std::int64_t>()});
+      record.dropped = factors_from(m.at("dropped"));
+      if (!valid(record.plane) || graph.planes_.count(merged) > 0) throw std::runtime_error("invalid merge of plane " + std::to_string(merged.value));
+      graph.merges_.emplace(merged, std::move(record));
+    }
+    for (const auto& [merged, record] : graph.merges_) {
+      PlaneId end = merged;
+      for (std::size_t steps = 0; graph.merges_.count(end) > 0 && steps <= graph.merges_.size(); ++steps) end = graph.merges_.at(end).kept;
+      if (!graph.contains(end)) throw std::runtime_error("plane " + std::to_string(merged.value) + " was merged into one that isn't there");
+    }
+  }
+
+  template <class Key, class Value>
+  static std::int64_t beyond(const std::map<Key, Value>& map) {
+    return map.empty() ? 0 : map.rbegin()->first.value + 1;
+  }
+
+  void read_counters(const Json& json) {
+    const auto counter = [&json](const char* name, std::int64_t least) { return std::max(least, json.value(name, std::int64_t{0})); };
+    graph.next_plane_ = counter("plane", std::max(beyond(graph.planes_), beyond(graph.merges_)));
+    graph.next_room_ = counter("room", beyond(graph.rooms_));
+    graph.next_corridor_ = counter("corridor", beyond(graph.corridors_));
+    graph.next_factor_ = counter("factor", beyond(graph.factors_));
+  }
+
+  static Json counters(const Graph& graph) {
+    return {{"plane", graph.next_plane_}, {"room", graph.next_room_}, {"corridor", graph.next_corridor_}, {"factor", graph.next_factor_}};
+  }
+};
+
+std::string factors_to_json(const Graph& graph) { return factors_json(graph.factors()).dump(); }
+
+std::string to_json(const Graph& graph) {
+  Json json{{"format", format}};
+  json["keyframes"] = json["planes"] = json["rooms"] = json["corridors"] = Json::array();
+  for (const auto& [id, pose] : graph.keyframes()) json["keyframes"].push_back({{"id", id.value}, {"pose", pose_json(pose)}});
+  for (const auto& [id, plane] : graph.planes()) {
+    json["planes"].push_back({{"id", id.value}, {"normal", vector_json<3>(plane.normal)}, {"d", plane.d}});
+  }
+  for (const auto& [id, room] : graph.rooms()) {
+    json["rooms"].push_back(
+        {{"id", id.value}, {"yaw", room.yaw}, {"z", room.z}, {"position", vector_json<2>(room.position)}, {"width", vector_json<2>(room.width)}});
+  }
+  for (const auto& [id, c] : graph.corridors()) {
+    json["corridors"].push_back({{"id", id.value}, {"yaw", c.yaw}, {"along", c.along}, {"z", c.z}, {"position", c.position}, {"width", c.width}});
+  }
+  json["factors"] = factors_json(graph.factors());
+  json["merges"] = merges_json(graph.merges());
+  json["next"] = GraphReader::counters(graph);
+  return json.dump();
+}
+
+Graph graph_from_json(const std::string& text) {
+  try {
+    const Json json = Json::parse(text);
+    if (json.at("format").get<int>() != format) throw std::runtime_error("format " + json.at("format").dump() + " isn't known");
+    GraphReader reader;
+    reader.read_variables(json);
+    reader.read_factors(json.at("factors"));
+    reader.read_merges(json.value("merges", Json::array()));
+    reader.read_counters(json.value("next", Json::object()));
+    return std::move(reader.graph);
+  } catch (const std::exception& error) {
+    throw std::runtime_error(std::string("graph: ") + error.what());
+  }
+}
+
+}  // namespace sgraph

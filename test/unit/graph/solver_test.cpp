@@ -1,0 +1,354 @@
+#include "sgraph_slam/core/graph/solver.hpp"
+
+#include <gtest/gtest.h>
+
+#include <fstream>
+
+#include "random_graph.hpp"
+#include "sgraph_slam/core/graph/g2o.hpp"
+#include "sgraph_slam/core/graph/marginals.hpp"
+
+namespace sgraph::test {
+namespace {
+
+const Pose T_base_lidar{so3_exp(Eigen::Vector3d(0.02, -0.03, 0.5)), {0.1, 0.0, 0.4}};
+const Vector6 odometry_sigma = (Vector6() << 0.005, 0.005, 0.005, 0.02, 0.02, 0.02).finished();
+const Eigen::Vector3d plane_sigma(0.01, 0.01, 0.02);
+
+// A robot driving round in a room of 6 x 4 m, floor included, 37 degrees to the map; `noise` scales the measurements' errors.
+struct World {
+  explicit World(unsigned seed, double noise, bool with_room = true, int laps = 1) : draw(seed) {
+    room = Room::at({1.0, -2.0, 1.2}, 0.65, {6.0, 4.0});
+    for (int k = 0; k < 8 * laps; ++k) {
+      const double turn = 2 * M_PI * k / 8;
+      const Eigen::Vector3d at = room.center() + 1.5 * std::cos(turn) * room.axis(0) + std::sin(turn) * room.axis(1) - Eigen::Vector3d(0, 0, 0.7);
+      truth.keyframes[KeyframeId{k}] = Pose{so3_exp(Eigen::Vector3d(0, 0, turn)) * so3_exp(draw.normals<3>(0.02)), at};
+    }
+    for (int side = 0; side < 4; ++side) {
+      const Eigen::Vector3d n = (side % 2 == 0 ? 1.0 : -1.0) * room.axis(side / 2);
+      const Eigen::Vector3d foot = room.center() - 0.5 * room.width[side / 2] * n;
+      truth.planes[PlaneId{side}] = Plane{n, -n.dot(foot)};
+    }
+    truth.planes[PlaneId{4}] = Plane{Eigen::Vector3d::UnitZ(), 0.0};
+    if (with_room) truth.rooms[RoomId{0}] = room;
+    EXPECT_TRUE(graph.apply(truth).ok());
+    Transaction t;
+    for (const auto& [k, pose] : truth.keyframes) {
+      if (k.value > 0) {
+        const KeyframeId last{k.value - 1};
+        const Pose measured = truth.keyframes.at(last).inverse() * pose * se3_exp(noise * odometry_sigma.cwiseProduct(draw.normals<6>()));
+        t.factors.push_back({Se3Between{last, k, measured, SqrtInformation<6>::from_std_dev(odometry_sigma)}, {}});
+      }
+      for (const auto& [p, plane] : truth.planes) {
+        if (p.value < 4 && (k.value + p.value) % 3 == 0) continue;  // not every wall from everywhere
+        t.factors.push_back({observation(k, p, noise), {}});
+      }
+    }
+    const RoomSide sides[] = {RoomSide::x_low, RoomSide::x_high, RoomSide::y_low, RoomSide::y_high};
+    for (int side = 0; with_room && side < 4; ++side) t.factors.push_back({RoomPlane{{0}, {side}, sides[side], 0.01}, {}});
+    EXPECT_TRUE(graph.apply(t).ok());
+  }
+
+  PosePlane observation(KeyframeId k, PlaneId p, double noise) {
+    const Plane seen = (truth.keyframes.at(k) * T_base_lidar).inverse() * truth.planes.at(p);
+    const Eigen::Vector3d error = noise * plane_sigma.cwiseProduct(draw.normals<3>());
+    const Plane measured{(seen.normal + tangent_basis(seen.normal) * error.head<2>()).normalized(), seen.d + error[2]};
+    return {k, p, measured, T_base_lidar, SqrtInformation<3>::from_std_dev(plane_sigma)};
+  }
+
+  void disturb(double sigma) {
+    for (const auto& [id, pose] : truth.keyframes) {
+      if (id.value > 0) graph.set(id, draw.near(pose, sigma));
+    }
+    for (const auto& [id, plane] : truth.planes) graph.set(id, draw.near(plane, sigma, sigma));
+    for (const auto& [id, r] : truth.rooms) {
+      Room moved = r;
+      moved.position += draw.normals<2>(sigma);
+      moved.width += draw.normals<2>(sigma);
+      graph.set(id, moved);
+    }
+  }
+
+  // Error in the tangent space of variables.hpp.
+  Eigen::VectorXd error(const VariableId& id) const {
+    if (const auto* k = std::get_if<KeyframeId>(&id)) return se3_log(truth.keyframes.at(*k).inverse() * *graph.find(*k));
+    if (const auto* p = std::get_if<PlaneId>(&id)) {
+      Eigen::Vector3d e;
+      e << tangent_basis(graph.find(*p)->normal).transpose() * (graph.find(*p)->normal - truth.planes.at(*p).normal),
+          graph.find(*p)->d - truth.planes.at(*p).d;
+      return e;
+    }
+    const Room& r = *graph.find(std::get<RoomId>(id));
+    Eigen::Vector4d e;
+    e << r.position - room.position, r.width - room.width;
+    return e;
+  }
+
+  double worst_error() const {
+    double worst = 0;
+    for (const auto& [id, value] : truth.keyframes) worst = std::max(worst, error(id).norm());
+    for (const auto& [id, value] : truth.planes) worst = std::max(worst, error(id).norm());
+    for (const auto& [id, value] : truth.rooms) worst = std::max(worst, error(id).norm());
+    return worst;
+  }
+
+  Draw draw;
+  Room room;
+  Transaction truth;
+  Graph graph;
+};
+
+SolverOptions exact() {
+  SolverOptions options;
+  options.max_iterations = 100;
+  options.function_tolerance = 1e-14;
+  options.parameter_tolerance = 1e-14;
+  return options;
+}
+
+TEST(Solver, RecoversTheTruthFromExactMeasurements) {
+  for (unsigned seed = 0; seed < 10; ++seed) {
+    World world(seed, 0.0);
+    world.disturb(0.15);
+    const Pose first = *world.graph.find(KeyframeId{0});
+    ASSERT_GT(world.worst_error(), 0.1);
+    const SolveSummary summary = solve(world.graph, exact());
+    EXPECT_TRUE(summary.converged);
+    EXPECT_LT(summary.final_cost, 1e-12);
+    EXPECT_LT(world.worst_error(), 1e-6);
+    EXPECT_EQ(world.graph.find(KeyframeId{0})->translation, first.translation);  // gauge, to the bit
+    EXPECT_EQ(summary.keyframes, 7);
+    EXPECT_EQ(summary.planes, 5);
+    EXPECT_EQ(summary.factors, static_cast<int>(world.graph.factors().size()));
+  }
+}
+
+TEST(Solver, PointsFormRecoversTheTruthToo) {
+  World world(3, 0.0, false);
+  Transaction t;
+  for (const auto& [id, factor] : world.graph.factors()) {
+    const auto* observation = std::get_if<PosePlane>(&factor.data);
+    if (observation == nullptr) continue;
+    t.remove_factors.push_back(id);
+    const SqrtScatter points = sqrt_scatter(world.draw.scatter(observation->measured, 0.0, 200), 0.02, 0.001, 0.003);
+    t.factors.push_back({PosePlanePoints{observation->keyframe, observation->plane, points, T_base_lidar}, {}});
+  }
+  ASSERT_TRUE(world.graph.apply(t).ok());
+  world.disturb(0.1);
+  EXPECT_TRUE(solve(world.graph, exact()).converged);
+  EXPECT_LT(world.worst_error(), 1e-5);
+}
+
+TEST(Solver, SameInputSameBits) {
+  World a(5, 1.0);
+  World b(5, 1.0);
+  a.disturb(0.05);
+  b.disturb(0.05);
+  solve(a.graph, {});
+  solve(b.graph, {});
+  EXPECT_TRUE(a.graph == b.graph);
+}
+
+TEST(Solver, RoomFactorsAloneTellPosesNothing) {
+  World with(6, 1.0, true);
+  World without(6, 1.0, false);
+  solve(with.graph, exact());
+  solve(without.graph, exact());
+  for (const auto& [id, pose] : without.graph.keyframes()) {
+    EXPECT_LT(se3_log(pose.inverse() * *with.graph.find(id)).norm(), 1e-6);
+  }
+  // A width measured elsewhere does inform.
+  Transaction t;
+  t.factors.push_back({RoomWidth{{0}, {0}, 0, 6.1, 0.005}, {}});
+  ASSERT_TRUE(with.graph.apply(t).ok());
+  solve(with.graph, exact());
+  double moved = 0;
+  for (const auto& [id, pose] : without.graph.keyframes()) moved = std::max(moved, se3_log(pose.inverse() * *with.graph.find(id)).norm());
+  EXPECT_GT(moved, 1e-3);
+}
+
+TEST(Solver, AWindowMovesOnlyItsVariables) {
+  World world(7, 1.0, true, 3);
+  world.disturb(0.02);
+  const Graph before = world.graph;
+  const SolveScope scope = recent_window(world.graph, 4);
+  EXPECT_EQ(scope.free->count(KeyframeId{23}), 1u);
+  EXPECT_EQ(scope.free->count(KeyframeId{19}), 0u);
+  EXPECT_EQ(scope.free->count(PlaneId{4}), 1u);
+  EXPECT_EQ(scope.free->count(RoomId{0}), 1u);
+  const SolveSummary summary = solve(world.graph, exact(), scope);
+  EXPECT_EQ(summary.keyframes, 4);
+  EXPECT_LT(summary.final_cost, summary.initial_cost);
+  for (const auto& [id, pose] : before.keyframes()) {
+    const bool moved = world.graph.find(id)->translation != pose.translation;
+    EXPECT_EQ(moved, id.value > 19) << id.value;
+  }
+}
+
+TEST(Solver, ALossLetsAWrongLoopGo) {
+  World world(8, 1.0, false);
+  Graph right = world.graph;
+  solve(right, exact());
+  Transaction t;
+  const Pose wrong{so3_exp(Eigen::Vector3d(0, 0, 1.0)), {3, 0, 0}};
+  t.factors.push_back(
+      {Se3Between{{1}, {6}, wrong, SqrtInformation<6>::from_std_dev(odometry_sigma), Se3Between::Source::loop}, RobustLoss::cauchy(1.0)});
+  const FactorId loop = world.graph.apply(t).factors.at(0);
+  solve(world.graph, exact());
+  for (const auto& [id, pose] : right.keyframes()) EXPECT_LT(se3_log(pose.inverse() * *world.graph.find(id)).norm(), 0.02);
+  EXPECT_GT(chi_square(world.graph, world.graph.find(loop)->data), 1000.0);
+}
+
+TEST(Solver, AnEmptyGraphAndLooseVariablesAreFine) {
+  Graph empty;
+  EXPECT_TRUE(solve(empty, {}).converged);
+  EXPECT_TRUE(Marginals(empty).ok());
+  Transaction t;
+  t.keyframes[KeyframeId{4}] = Pose{};
+  t.planes[PlaneId{0}] = Plane{};
+  Graph loose;
+  ASSERT_TRUE(loose.apply(t).ok());
+  EXPECT_TRUE(solve(loose, {}).converged);
+  EXPECT_FALSE(Marginals(loose).covariance(PlaneId{0}).has_value());
+  EXPECT_EQ(Marginals(loose).covariance(KeyframeId{4})->norm(), 0.0);
+}
+
+TEST(ChiSquare, MissingVariablesAreInfinitelyFar) {
+  World world(1, 0.0);
+  EXPECT_TRUE(std::isinf(chi_square(world.graph, PosePlane{{0}, {77}, {}, {}, {}})));
+  EXPECT_EQ(weighted_residual(world.graph, PosePlane{{77}, {0}, {}, {}, {}}).size(), 0);
+  EXPECT_TRUE(std::isinf(innovation_chi_square(world.graph, Marginals(world.graph), PosePlane{{0}, {77}, {}, {}, {}})));
+}
+
+TEST(Marginals, AChainAddsUpAsTheAdjointSays) {
+  Draw draw(31);
+  for (int i = 0; i < 20; ++i) {
+    Transaction t;
+    for (int k = 0; k < 3; ++k) t.keyframes[KeyframeId{k}] = draw.pose();
+    const Matrix6 first = draw.covariance<6>(0.05);
+    const Matrix6 second = draw.covariance<6>(0.05);
+    const auto between = [&](int k, const Matrix6& covariance) {
+      const Pose Z = t.keyframes.at(KeyframeId{k}).inverse() * t.keyframes.at(KeyframeId{k + 1});
+      return Factor{Se3Between{{k}, {k + 1}, Z, SqrtInformation<6>::from_covariance(covariance, Vector6::Constant(1e-6))}, {}};
+    };
+    t.factors = {between(0, first), between(1, second)};
+    Graph graph;
+    ASSERT_TRUE(graph.apply(t).ok());
+    const Marginals marginals(graph);
+    ASSERT_TRUE(marginals.ok());
+    const Matrix6 back = se3_adjoint(t.keyframes.at(KeyframeId{2}).inverse() * t.keyframes.at(KeyframeId{1}));
+    const Matrix6 expected = back * first * back.transpose() + second;
+    EXPECT_LT((*marginals.covariance(KeyframeId{1}) - first).norm(), 1e-8 * first.norm());
+    EXPECT_LT((*marginals.covariance(KeyframeId{2}) - expected).norm(), 1e-7 * expected.norm());
+    const Eigen::MatrixXd joint = *marginals.joint({KeyframeId{2}, KeyframeId{0}, KeyframeId{1}});
+    EXPECT_LT((joint.block<6, 6>(0, 12) - back * first).norm(), 1e-7 * (back * first).norm());
+    EXPECT_EQ(joint.middleRows<6>(6).norm(), 0.0);
+  }
+}
+
+TEST(Marginals, ErrorsOfSolvesAreAsLargeAsTheySay) {
+  std::map<VariableId, double> sum;
+  double innovation = 0;
+  const int runs = 150;
+  for (int run = 0; run < runs; ++run) {
+    World world(static_cast<unsigned>(1000 + run), 1.0);
+    ASSERT_TRUE(solve(world.graph, exact()).converged);
+    const Marginals marginals(world.graph);
+    ASSERT_TRUE(marginals.ok());
+    for (const VariableId id : {VariableId(KeyframeId{3}), VariableId(KeyframeId{7}), VariableId(PlaneId{1}), VariableId(PlaneId{4})}) {
+      const Eigen::VectorXd e = world.error(id);
+      sum[id] += e.dot(marginals.covariance(id)->ldlt().solve(e)) / tangent_size(id);
+    }
+    // A fresh observation, not yet in the graph.
+    innovation += innovation_chi_square(world.graph, marginals, world.observation(KeyframeId{6}, PlaneId{0}, 1.0)) / 3.0;
+  }
+  // Means of `runs` chi-squares over their degrees of freedom: five standard deviations of room.
+  for (const auto& [id, total] : sum) EXPECT_NEAR(total / runs, 1.0, 5 * std::sqrt(2.0 / (runs * tangent_size(id)))) << to_string(id);
+  EXPECT_NEAR(innovation / runs, 1.0, 5 * std::sqrt(2.0 / (runs * 3)));
+}
+
+TEST(Marginals, UndeterminedVariablesAreSaidSo) {
+  Transaction t;
+  t.keyframes[KeyframeId{0}] = Pose{};
+  t.planes = {{PlaneId{0}, Plane{{1, 0, 0}, 1}}, {PlaneId{1}, Plane{{0, 1, 0}, 1}}};
+  t.factors = {{PerpendicularPlanes{{0}, {1}}, {}}};
+  Graph graph;
+  ASSERT_TRUE(graph.apply(t).ok());
+  EXPECT_FALSE(Marginals(graph).ok());
+  EXPECT_FALSE(Marginals(graph).covariance(PlaneId{0}).has_value());
+}
+
+// A ring of keyframes with loops and full, correlated information matrices.
+Graph ring(unsigned seed) {
+  Draw draw(seed);
+  Transaction t;
+  for (int k = 0; k < 30; ++k) {
+    const double turn = 2 * M_PI * k / 30;
+    t.keyframes[KeyframeId{k}] = Pose{so3_exp(Eigen::Vector3d(0.3 * std::sin(turn), 0, turn)), {8 * std::cos(turn), 8 * std::sin(turn), 0.1 * k}};
+  }
+  for (int k = 0; k < 30; ++k) {
+    for (const int step : {1, 7}) {
+      const KeyframeId to{(k + step) % 30};
+      t.factors.push_back({Se3Between{{k},
+                                      to,
+                                      t.keyframes.at({k}).inverse() * t.keyframes.at(to),
+                                      draw.weight<6>(),
+                                      to.value == k + 1 ? Se3Between::Source::odometry : Se3Between::Source::loop},
+                           {}});
+    }
+  }
+  Graph graph;
+  EXPECT_TRUE(graph.apply(t).ok());
+  return graph;
+}
+
+TEST(Chordal, FindsThePosesWithoutAGuess) {
+  const Graph truth = ring(1);
+  Graph graph = truth;
+  for (const auto& [id, pose] : truth.keyframes()) {
+    if (id.value > 0) graph.set(id, Pose{});
+  }
+  initialise_chordal(graph);
+  for (const auto& [id, pose] : truth.keyframes()) EXPECT_LT(se3_log(pose.inverse() * *graph.find(id)).norm(), 1e-8) << id.value;
+}
+
+TEST(G2o, WritesAndReadsAGraph) {
+  const std::string path = testing::TempDir() + "ring.g2o";
+  const Graph graph = ring(2);
+  write_g2o(path, graph);
+  const Graph again = read_g2o(path);
+  ASSERT_EQ(again.keyframes().size(), graph.keyframes().size());
+  ASSERT_EQ(again.factors().size(), graph.factors().size());
+  for (const auto& [id, factor] : graph.factors()) {
+    const auto& a = std::get<Se3Between>(factor.data);
+    const auto& b = std::get<Se3Between>(again.find(id)->data);
+    EXPECT_TRUE(a.from == b.from && a.to == b.to && a.source == b.source);
+    EXPECT_LT(se3_log(a.T_from_to.inverse() * b.T_from_to).norm(), 1e-12);
+    EXPECT_LT((a.weight.matrix() - b.weight.matrix()).norm(), 1e-6 * a.weight.matrix().norm());
+  }
+}
+
+TEST(G2o, BadFilesAreRefusedWithTheirLine) {
+  const std::string path = testing::TempDir() + "bad.g2o";
+  const std::string vertex = "VERTEX_SE3:QUAT 0 0 0 0 0 0 0 1\n";
+  const std::string edge = "EDGE_SE3:QUAT 0 1 1 0 0 0 0 0 1 1 0 0 0 0 0 1 0 0 0 0 1 0 0 0 1 0 0 1 0 1\n";
+  const auto read = [&](const std::string& text) {
+    std::ofstream(path) << text;
+    return read_g2o(path);
+  };
+  EXPECT_EQ(read(vertex + "# a comment\nFIX 0\n" + edge).keyframes().size(), 2u);
+  for (const std::string& bad : {vertex + vertex, vertex + "VERTEX_SE3:QUAT 1 0 0 0 0 0 0 0\n", vertex + "EDGE_SE3:QUAT 0 1 1 0 0\n",
+                                 vertex + "VERTEX_SE3:QUAT 1 nan 0 0 0 0 0 1\n", vertex + "EDGE_SE2 0 1\n"}) {
+    try {
+      read(bad + edge);
+      ADD_FAILURE() << bad;
+    } catch (const std::runtime_error& error) {
+      EXPECT_NE(std::string(error.what()).find("bad.g2o:2: "), std::string::npos) << error.what();
+    }
+  }
+  EXPECT_THROW(read(vertex), std::runtime_error);
+  EXPECT_THROW(read_g2o("/nonexistent.g2o"), std::runtime_error);
+}
+
+}  // namespace
+}  // namespace sgraph::test
