@@ -38,7 +38,8 @@ class BackEnd::Implementation {
       synchronise(state_);
       add_widths(state_, segments);
     }
-    if (wants_global(seen)) solve_global(state_.params.solving.iterations);
+    const bool looped = close_loop(state_);
+    if (looped || wants_global(seen)) solve_global(state_.params.solving.iterations);
     place_odometry();
     snapshot_ = make_snapshot(state_, snapshot_->version + 1, summary_, false);
     return snapshot_;

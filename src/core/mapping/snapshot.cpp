@@ -62,7 +62,7 @@ GraphSnapshotPtr make_snapshot(const MapState& state, std::int64_t version, cons
   add_planes(state, *snapshot);
   add_places(state, *snapshot);
   snapshot->openings = state.openings;
-  (void)with_factors;  // comes with the serialisation of factors
+  if (with_factors) snapshot->factors_json = factors_to_json(state.graph);
   snapshot->last_solve = solve;
   return snapshot;
 }

@@ -33,6 +33,7 @@ struct MapState {
   std::vector<SceneOpening> openings;
   std::set<PlanePair> refused_merges;                    ///< merged once and undone
   std::map<PlaneId, Eigen::Matrix3d> plane_covariances;  ///< as of the last optimisation on demand
+  KeyframeId last_loop_tried;
   DecisionLog log;
   Pose T_map_odom;
 
@@ -62,6 +63,10 @@ AssociationResult add_observations(MapState& state, const PlaneSegments& segment
 /// Merges planes that are one surface by their marginals, more readily those that a place shows to be one; solves; undoes what doesn't fit.
 /// Returns how many were merged and kept.
 int merge_duplicates(MapState& state, const std::set<PlanePair>& shown_by_places);
+
+/// Hard loop closure of the newest keyframe with the nearest old one, when the graph is unsure about the way between (paper, Loop Closure). True when
+/// a loop has been added.
+bool close_loop(MapState& state);
 
 /// Widths that the newest keyframe saw of the rooms and corridors whose facing walls it saw both.
 void add_widths(MapState& state, const PlaneSegments& segments);

@@ -194,6 +194,7 @@ struct LoopParams {
   double max_distance = 4.0;
   double min_path = 25.0;
   double min_interval = 8.0;
+  double min_sigma = 0.03;
   double voxel = 0.2;
   double resolution = 1.0;
   double max_fitness = 0.05;
@@ -208,6 +209,8 @@ struct LoopParams {
     v.field("max_distance", max_distance, "m", {0.1, 100}, "Keyframes no further apart than this are candidates.");
     v.field("min_path", min_path, "m", {1, 10000}, "Least path travelled between the two.");
     v.field("min_interval", min_interval, "m", {0, 1000}, "Least path travelled since the last loop.");
+    v.field("min_sigma", min_sigma, "m", {0, 10},
+            "Tried only where the graph's standard deviation of the way between the two is at least this: the walls have closed the others.");
     v.field("voxel", voxel, "m", {0.02, 2}, "Grid to which both clouds are thinned.");
     v.field("resolution", resolution, "m", {0.1, 10}, "Cell of the normal distributions transform.");
     v.field("max_fitness", max_fitness, "m^2", {0.0001, 10}, "Largest mean squared distance of matched points.");
