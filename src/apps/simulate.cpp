@@ -51,6 +51,7 @@ struct Options {
   std::string out;
   sim::SimulationSettings settings;
   std::string stamp = "last";
+  std::string trajectory;
   bool no_distortion = false;
   bool check = false;
   bool no_bag = false;
@@ -63,12 +64,19 @@ void write_text(const std::string& path, const std::string& text) {
   if (!out) throw std::runtime_error(path + ": can't be written");
 }
 
+sim::SimulatedSource make_source(const sim::World& world, Options& options) {
+  if (options.trajectory.empty()) return {world, options.settings};
+  Trajectory recorded = read_tum(options.trajectory);
+  if (!recorded.empty()) options.settings.lidar.start = recorded.front().stamp.nanoseconds;
+  return {world, sim::Motion(std::move(recorded)), options.settings};
+}
+
 void run(Options& options) {
   sim::SimulationSettings& settings = options.settings;
   settings.lidar.motion_distortion = !options.no_distortion;
   settings.lidar.stamp = options.stamp == "first" ? sim::StampConvention::first : sim::StampConvention::last;
   const sim::World world = sim::read_world(options.world);
-  sim::SimulatedSource source(world, settings);
+  sim::SimulatedSource source = make_source(world, options);
   if (!options.quiet) {
     std::fprintf(stderr, "%s: %.0f s, %.0f m at up to %.2f m/s, %d scans\n", world.name.c_str(), source.duration(), source.motion().length(),
                  source.motion().speed_limit(), source.scan_count());
@@ -99,6 +107,8 @@ int main(int argc, char** argv) {
   app.add_option("--duration", options.settings.duration, "End after this long [s]; 0: the whole route")
       ->capture_default_str()
       ->check(CLI::NonNegativeNumber);
+  app.add_option("--trajectory", options.trajectory, "Move as base_link does in this TUM file instead of along the world's route")
+      ->check(CLI::ExistingFile);
   app.add_flag("--no-motion-distortion", options.no_distortion, "Each scan as seen from one pose; its points carry time 0");
   app.add_flag("--check", options.check, "Only read and check the world");
   app.add_flag("--no-bag", options.no_bag, "Only write the truth");

@@ -68,8 +68,8 @@ struct Frame {
 
 class Lidar::Implementation {
  public:
-  Implementation(const World& world, const Motion& motion, const LidarSettings& settings)
-      : motion_(motion),
+  Implementation(const World& world, PoseFunction motion, const LidarSettings& settings)
+      : motion_(std::move(motion)),
         T_base_lidar_(world.T_base_lidar),
         settings_(settings),
         scene_(surfaces_of(world)),
@@ -98,7 +98,7 @@ class Lidar::Implementation {
 
  private:
   [[nodiscard]] Frame frame_at(double time) const {
-    const Pose pose = motion_.pose_at(time) * T_base_lidar_;
+    const Pose pose = motion_(time) * T_base_lidar_;
     return {pose.matrix(), pose.translation};
   }
 
@@ -199,7 +199,7 @@ class Lidar::Implementation {
     points.push_back(point);
   }
 
-  Motion motion_;
+  PoseFunction motion_;
   Pose T_base_lidar_;
   LidarSettings settings_;
   Scene scene_;
@@ -212,8 +212,8 @@ class Lidar::Implementation {
   std::vector<Eigen::Vector2d> elevation_;  // cosine, sine by ring
 };
 
-Lidar::Lidar(const World& world, const Motion& motion, const LidarSettings& settings)
-    : settings_(settings), implementation_(std::make_unique<Implementation>(world, motion, settings)) {}
+Lidar::Lidar(const World& world, PoseFunction motion, const LidarSettings& settings)
+    : settings_(settings), implementation_(std::make_unique<Implementation>(world, std::move(motion), settings)) {}
 Lidar::~Lidar() = default;
 
 Cloud Lidar::scan(int number) const {

@@ -50,6 +50,11 @@ void add_activity(std::vector<Eigen::Vector4d>& samples) {
   }
 }
 
+// Cubic from b (u = 0) to c (u = 1) with the slopes of the chords a-c and b-d at its ends.
+Eigen::Vector3d catmull_rom(const Eigen::Vector3d& a, const Eigen::Vector3d& b, const Eigen::Vector3d& c, const Eigen::Vector3d& d, double u) {
+  return b + 0.5 * u * (c - a + u * (2 * a - 5 * b + 4 * c - d + u * (3 * (b - c) + d - a)));
+}
+
 // The speed at which the route takes `duration` seconds.
 double speed_for(const Route& route, MotionProfile profile) {
   const auto seconds = [&](double speed) {
@@ -78,8 +83,19 @@ Motion::Motion(const Route& route, const MotionProfile& profile, double floor_z)
   add_activity(control_);
 }
 
+Motion::Motion(Trajectory recorded) : recorded_(std::move(recorded)) {
+  if (recorded_.size() < 4) throw WorldError("a recorded walk needs at least four poses");
+  for (std::size_t i = 1; i < recorded_.size(); ++i) {
+    const double gap = recorded_[i].stamp - recorded_[i - 1].stamp;
+    if (gap <= 0 || gap > 0.25) throw WorldError("a recorded walk needs poses in order of stamp, at most 0.25 s apart");
+  }
+  duration_ = recorded_.back().stamp - recorded_.front().stamp;
+  profile_.speed = length() / duration_;
+}
+
 double Motion::length() const {
   double sum = 0;
+  for (std::size_t i = 1; i < recorded_.size(); ++i) sum += (recorded_[i].pose.translation - recorded_[i - 1].pose.translation).head<2>().norm();
   for (std::size_t i = 1; i < control_.size(); ++i) sum += (control_[i] - control_[i - 1]).head<2>().norm();
   return sum;
 }
@@ -98,7 +114,24 @@ Motion::Sample Motion::spline_at(double time) const {
   return sum;
 }
 
+Pose Motion::recorded_at(double time) const {
+  const double within = std::min(std::max(time, 0.0), duration_);
+  const Stamp stamp = recorded_.front().stamp.after(within);
+  const auto after = std::upper_bound(recorded_.begin() + 1, recorded_.end() - 1, stamp, [](Stamp s, const StampedPose& p) { return s < p.stamp; });
+  const auto i = static_cast<std::size_t>(after - recorded_.begin()) - 1;
+  const auto pose = [&](std::size_t k) -> const Pose& { return recorded_[std::min(k, recorded_.size() - 1)].pose; };
+  const Pose& a = pose(i);
+  const Pose& b = pose(i + 1);
+  const Pose& before = pose(i == 0 ? 0 : i - 1);
+  const Pose& beyond = pose(i + 2);
+  const double u = (within - (recorded_[i].stamp - recorded_.front().stamp)) / (recorded_[i + 1].stamp - recorded_[i].stamp);
+  const auto turned = [&](const Pose& p) { return so3_log(a.rotation.conjugate() * p.rotation); };
+  return {a.rotation * so3_exp(catmull_rom(turned(before), Eigen::Vector3d::Zero(), turned(b), turned(beyond), u)),
+          catmull_rom(before.translation, a.translation, b.translation, beyond.translation, u)};
+}
+
 Pose Motion::pose_at(double time) const {
+  if (!recorded_.empty()) return recorded_at(time);
   const Sample s = spline_at(time);
   const double phase = M_PI * profile_.step_frequency * time;  // roll swings once in two steps
   const double lean_roll = profile_.tilt * 0.7 * (std::sin(2 * M_PI * 0.31 * time) + 0.43 * std::sin(2 * M_PI * 0.83 * time + 1.0));

@@ -32,7 +32,7 @@ void add(std::vector<Obstacle>& obstacles, Obstacle obstacle) {
   obstacles.push_back(std::move(obstacle));
 }
 
-std::vector<Obstacle> obstacles_of(const World& world) {
+std::vector<Obstacle> obstacles_of(const World& world, bool walls_only) {
   std::vector<Obstacle> obstacles;
   for (const Storey& storey : world.storeys) {
     for (const Wall& wall : storey.walls) {
@@ -45,6 +45,7 @@ std::vector<Obstacle> obstacles_of(const World& world) {
             {{a - across, b - across, b + across, a + across}, wall.bottom + piece.bottom, wall.bottom + piece.top, "a wall", wall.line, {}, {}});
       }
     }
+    if (walls_only) continue;
     for (const auto* blocks : {&storey.columns, &storey.furniture}) {
       for (const Block& block : *blocks) {
         const double half = 0.5 * block.size.z();
@@ -102,6 +103,16 @@ std::size_t nearest_waypoint(const Route& route, const Eigen::Vector2d& p) {
   fail_at(world.file, near.line, text.str());
 }
 
+bool within(const std::vector<Eigen::Vector2d>& polygon, const Eigen::Vector2d& p) {
+  bool in = false;
+  for (std::size_t i = 0; i < polygon.size(); ++i) {
+    const Eigen::Vector2d& a = polygon[i];
+    const Eigen::Vector2d& b = polygon[(i + 1) % polygon.size()];
+    if ((a.y() > p.y()) != (b.y() > p.y()) && p.x() < a.x() + (p.y() - a.y()) / (b.y() - a.y()) * (b.x() - a.x())) in = !in;
+  }
+  return in;
+}
+
 void check_robot(const World& world, const Motion& motion, const std::vector<Obstacle>& obstacles) {
   const Storey& storey = world.storeys[world.route.storey];
   const double bottom = storey.elevation + 0.05;
@@ -112,6 +123,9 @@ void check_robot(const World& world, const Motion& motion, const std::vector<Obs
     if (const Obstacle* obstacle = hit(obstacles, p, world.motion.radius, bottom, top)) {
       refuse(world, p, t, obstacle->what + (obstacle->line > 0 ? " (line " + std::to_string(obstacle->line) + ")" : ""));
     }
+    bool indoors = false;
+    for (const auto& outline : storey.outlines) indoors = indoors || within(outline, p);
+    if (!indoors) refuse(world, p, t, "the outline of the storey");
     for (std::size_t i = 0; i < people.size(); ++i) {
       if ((people[i].at(t).position - p).norm() < world.motion.radius + 0.25) refuse(world, p, t, "person " + std::to_string(i + 1));
     }
@@ -133,10 +147,26 @@ void check_people(const World& world, const std::vector<Obstacle>& obstacles) {
   }
 }
 
+// Furniture that sticks into a wall by more than a few centimetres is a mistake of the plan: the wall behind it seems nearer than it is.
+void check_furniture(const World& world, const std::vector<Obstacle>& walls) {
+  constexpr double allowed = 0.05;
+  for (const Storey& storey : world.storeys) {
+    for (Block piece : storey.furniture) {
+      piece.size.head<2>() = (piece.size.head<2>().array() - 2 * allowed).max(0.01);
+      const double half = 0.5 * piece.size.z();
+      for (const Eigen::Vector2d& corner : footprint(piece)) {
+        const Obstacle* wall = hit(walls, corner, 1e-6, piece.center.z() - half, piece.center.z() + half);
+        if (wall != nullptr) fail_at(world.file, piece.line, "a " + piece.name + " sticks in a wall at " + place(corner));
+      }
+    }
+  }
+}
+
 }  // namespace
 
 void check_routes(const World& world, const Motion& motion) {
-  const std::vector<Obstacle> obstacles = obstacles_of(world);
+  check_furniture(world, obstacles_of(world, true));
+  const std::vector<Obstacle> obstacles = obstacles_of(world, false);
   check_robot(world, motion, obstacles);
   check_people(world, obstacles);
 }

@@ -18,11 +18,14 @@ int scans_in(double duration) { return static_cast<int>(std::floor(duration / vl
 
 }  // namespace
 
-SimulatedSource::SimulatedSource(const World& world, const SimulationSettings& settings)
+SimulatedSource::SimulatedSource(const World& world, const SimulationSettings& settings) : SimulatedSource(world, motion_of(world), settings) {}
+
+SimulatedSource::SimulatedSource(const World& world, Motion motion, const SimulationSettings& settings)
     : world_(world),
-      motion_(motion_of(world)),
+      motion_(std::move(motion)),
       settings_(settings),
-      lidar_(world, motion_, settings.lidar),
+      lidar_(
+          world, [motion = motion_](double time) { return motion.pose_at(time); }, settings.lidar),
       duration_(recorded(motion_, settings.duration)),
       scan_count_(scans_in(duration_)),
       encoders_(simulate_encoders(motion_, duration_, settings.encoders, settings.lidar.seed, settings.lidar.start)),
@@ -48,7 +51,8 @@ Trajectory SimulatedSource::ground_truth() const {
 
 SimulatedScans simulate_scans(const World& world, int count, const LidarSettings& settings, int first) {
   const Motion motion = motion_of(world);
-  const Lidar lidar(world, motion, settings);
+  const Lidar lidar(
+      world, [&motion](double time) { return motion.pose_at(time); }, settings);
   SimulatedScans result;
   result.T_base_lidar = world.T_base_lidar;
   for (int k = first; k < std::min(first + count, scans_in(motion.duration())); ++k) {

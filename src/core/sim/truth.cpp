@@ -23,6 +23,15 @@ json place_json(const Place& place) {
           {"z", place.z},     {"height", place.height}};
 }
 
+// Whether the robot comes into the place.
+bool visited(const Place& place, const std::vector<Eigen::Vector2d>& way) {
+  for (const Eigen::Vector2d& p : way) {
+    const Eigen::Vector2d inside = Eigen::Rotation2Dd(-place.yaw) * (p - place.center);
+    if (std::abs(inside.x()) < 0.5 * place.width.x() && std::abs(inside.y()) < 0.5 * place.width.y()) return true;
+  }
+  return false;
+}
+
 json wall_json(const Wall& wall) {
   json openings = json::array();
   for (const Opening& o : wall.openings) {
@@ -52,12 +61,22 @@ json surface_json(const Surface& surface) {
 }  // namespace
 
 std::string truth_json(const World& world, const Motion& motion, double duration) {
-  json truth = {{"name", world.name},         {"rotation", 0.0},          {"rooms", json::array()},
-                {"corridors", json::array()}, {"walls", json::array()},   {"columns", json::array()},
-                {"furniture", json::array()}, {"storeys", json::array()}, {"surfaces", json::array()}};
+  json truth = {{"name", world.name},
+                {"rotation", 0.0},
+                {"rooms", json::array()},
+                {"other_rooms", json::array()},
+                {"other_corridors", json::array()},
+                {"corridors", json::array()},
+                {"walls", json::array()},
+                {"columns", json::array()},
+                {"furniture", json::array()},
+                {"storeys", json::array()},
+                {"surfaces", json::array()}};
+  std::vector<Eigen::Vector2d> way;
+  for (double t = 0; t <= duration; t += 0.1) way.emplace_back(motion.pose_at(t).translation.head<2>());
   for (const Storey& storey : world.storeys) {
-    for (const Place& place : storey.rooms) truth["rooms"].push_back(place_json(place));
-    for (const Place& place : storey.corridors) truth["corridors"].push_back(place_json(place));
+    for (const Place& place : storey.rooms) truth[visited(place, way) ? "rooms" : "other_rooms"].push_back(place_json(place));
+    for (const Place& place : storey.corridors) truth[visited(place, way) ? "corridors" : "other_corridors"].push_back(place_json(place));
     for (const Wall& wall : storey.walls) truth["walls"].push_back(wall_json(wall));
     for (const Block& column : storey.columns) truth["columns"].push_back(block_json(column));
     for (const Block& piece : storey.furniture) truth["furniture"].push_back(block_json(piece));

@@ -2,11 +2,11 @@
 
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
 
-#include "sgraph_slam/core/sim/motion.hpp"
 #include "sgraph_slam/core/sim/scene.hpp"
 #include "sgraph_slam/core/sim/world.hpp"
 #include "sgraph_slam/core/types/cloud.hpp"
@@ -45,6 +45,9 @@ struct LidarSettings {
   std::int64_t start = 1'600'000'000'000'000'000;  ///< stamp of the recording's first firing [ns]
 };
 
+/// Pose of base_link in the world by the seconds since the start of the recording.
+using PoseFunction = std::function<Pose(double)>;
+
 /// Simulates scans of a VLP-16 carried through a world. Each scan is a function of the world, the settings and its number alone, so scans may be
 /// asked for in any order and from several threads.
 ///
@@ -53,7 +56,7 @@ struct LidarSettings {
 /// sensor's steps, as is the azimuth.
 class Lidar {
  public:
-  Lidar(const World& world, const Motion& motion, const LidarSettings& settings);
+  Lidar(const World& world, PoseFunction motion, const LidarSettings& settings);
   ~Lidar();
 
   /// The points of one revolution in the order of firing, in the LiDAR's frame of each firing's moment.

@@ -16,9 +16,13 @@ class Motion {
   /// Throws WorldError: two equal waypoints in a row, or a wished duration that no speed reaches.
   Motion(const Route& route, const MotionProfile& profile, double floor_z);
 
+  /// A walk recorded elsewhere: poses of base_link, at least four and at most a quarter of a second apart, joined smoothly (once continuously
+  /// differentiable). The first stamp is time 0. Throws WorldError.
+  explicit Motion(Trajectory recorded);
+
   /// From the first moment to the last [s].
   [[nodiscard]] double duration() const { return duration_; }
-  /// Speed limit used, as given or as chosen for the route's duration [m/s].
+  /// Speed limit used, as given or as chosen for the route's duration; of a recorded walk its mean speed [m/s].
   [[nodiscard]] double speed_limit() const { return profile_.speed; }
   /// Length of the way over ground [m].
   [[nodiscard]] double length() const;
@@ -34,10 +38,12 @@ class Motion {
   using Sample = Eigen::Vector4d;  // x, y, heading (unwrapped), share of the sway
 
   [[nodiscard]] Sample spline_at(double time) const;
+  [[nodiscard]] Pose recorded_at(double time) const;
 
   MotionProfile profile_;
-  double floor_z_;
+  double floor_z_ = 0;
   double duration_ = 0;
+  Trajectory recorded_;
   std::vector<Sample> control_;  // of a uniform cubic B-spline
 };
 

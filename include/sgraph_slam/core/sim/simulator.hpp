@@ -22,8 +22,10 @@ struct SimulationSettings {
 /// A robot in a world as a source of sensor data, simulated on the fly: what a bag of the same world would give. Deterministic.
 class SimulatedSource : public SensorSource {
  public:
-  /// Throws WorldError.
+  /// The robot follows the world's route. Throws WorldError.
   SimulatedSource(const World& world, const SimulationSettings& settings);
+  /// It moves as given instead; the world's route and people who would be in its way are not looked at.
+  SimulatedSource(const World& world, Motion motion, const SimulationSettings& settings);
 
   std::optional<SensorEvent> next() override;
   [[nodiscard]] Pose T_base_lidar() const override { return world_.T_base_lidar; }
