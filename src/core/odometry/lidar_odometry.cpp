@@ -20,7 +20,7 @@ constexpr double poor_share = 0.7;        // of the usual share of matches: belo
 constexpr double clearly_better = 1.1;    // support that another start must have
 constexpr int widest_turn = 9;            // ... up to this many steps to either side
 constexpr double turn_step = 0.1;         // [rad]
-constexpr double believed_motion = 0.7;   // of the predicted motion, when a scan can't be registered
+constexpr int longest_blindness = 5;      // scans without registration over which the motion is believed to go on
 constexpr double covariance_scale = 9.0;  // points on one surface share its errors: their residuals are not independent
 
 // One point in each voxel of the given edge; all when it is 0.
@@ -61,8 +61,13 @@ LidarOdometry::WindowScan LidarOdometry::prepare(const CloudPtr& cloud) const {
 
 // Adds knots up to the scan's end, on the last segment's motion.
 void LidarOdometry::extend_knots(const WindowScan& scan) {
-  const auto predict = [this](double time) { knots_.push_back({time, pose_at(knots_, time)}); };
   const double length = scan.end - scan.begin;
+  // Across a gap the last short segment says too little of the velocity: the last whole scan's is taken.
+  const Knot last = knots_.back();
+  const Knot& earlier = knots_[knots_.size() - 1 - std::min<std::size_t>(knots_.size() - 1, static_cast<std::size_t>(params_.motion.segments))];
+  const Vector6 motion = se3_log(earlier.pose.inverse() * last.pose) / (last.time - earlier.time);
+  const bool gap = scan.begin - last.time > default_step;
+  const auto predict = [&](double time) { knots_.push_back({time, gap ? last.pose * se3_exp(motion * (time - last.time)) : pose_at(knots_, time)}); };
   if (length <= 0) {
     predict(scan.end);
   } else {
@@ -225,8 +230,12 @@ void LidarOdometry::judge(WindowScan& scan, const WindowResult& solved, const Kn
     usual_share_ += 0.2 * (solved.inlier_share - usual_share_);
     return;
   }
+  // A short blindness is bridged by the prediction; a longer one, or one after a gap, must not run away.
+  const double before = window_.size() > 1 ? window_[window_.size() - 2].end : scan.begin;
+  const Knot held{before, pose_at(knots_, before)};
+  const bool keep_moving = untrusted_ < longest_blindness && scan.end - before < long_gap;
   for (std::size_t i = 0; i < knots_.size(); ++i) {
-    if (knots_[i].time > scan.begin + 1e-9 && i > 0) knots_[i].pose = interpolate(knots_[i - 1].pose, predicted[i].pose, believed_motion);
+    if (knots_[i].time > held.time + 1e-9) knots_[i].pose = keep_moving ? predicted[i].pose : held.pose;
   }
   ++untrusted_;
   scan.enters_map = untrusted_ > longest_distrust;

@@ -48,6 +48,14 @@ Step linearise(const SurfaceMap& map, const std::vector<SeenPoint>& points, cons
   return step;
 }
 
+// Geometric mean of the support in three directions. What little an open direction has is chance: below a floor all count the same.
+double support_of(const Eigen::Matrix3d& normals) {
+  constexpr double open = 0.03;
+  Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver;
+  solver.computeDirect(normals, Eigen::EigenvaluesOnly);
+  return std::cbrt(solver.eigenvalues().cwiseMax(open).prod());
+}
+
 }  // namespace
 
 std::vector<Vector6> weak_directions(const Matrix6& information, double arm, double sigma, Matrix6* held) {
@@ -83,7 +91,7 @@ RigidAlignmentResult align_rigidly(const SurfaceMap& map, const std::vector<Seen
     const double kernel = options.kernel_begin * std::pow(options.kernel_end / options.kernel_begin, along);
     const Step at = linearise(map, points, result.correction, center, kernel, options.noise, options.reach);
     result.inlier_share = static_cast<double>(at.inliers) / static_cast<double>(points.size());
-    result.support = std::cbrt(std::max(0.0, at.normals.determinant())) / static_cast<double>(points.size());
+    result.support = support_of(at.normals / static_cast<double>(points.size()));
     Matrix6 held;
     result.free_directions = weak_directions(at.h, options.arm, options.held_sigma, &held);
     Matrix6 h = at.h;
