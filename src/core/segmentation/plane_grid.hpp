@@ -67,6 +67,6 @@ Mask mask_of(const PlaneCells& cells, const std::vector<const Piece*>& pieces);
 std::vector<Eigen::Vector3d> outline(const PointSet& points, const std::vector<std::uint32_t>& which, const Plane& plane);
 
 /// Area within an outline on a plane [m^2].
-double outline_area(const std::vector<Eigen::Vector3d>& corners);
+double area_within(const std::vector<Eigen::Vector3d>& corners);
 
 }  // namespace sgraph
