@@ -96,6 +96,7 @@ json json_of(const WallScore& s, const std::vector<WallFace>& faces) {
           {"duplicate_share", s.duplicate_share()},
           {"normal_error_deg", json_of(s.normal_error_deg())},
           {"position_error_m", json_of(s.position_error())},
+          {"reversed_planes", s.reversed_planes},
           {"other_planes", s.other_planes},
           {"missed", missed},
           {"matches", matches}};

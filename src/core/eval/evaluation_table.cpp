@@ -49,8 +49,10 @@ void add_map(std::string& text, const MapError& e, double cap) {
 }
 
 void add_walls(std::string& text, const WallScore& s) {
-  add_line(text, "walls: %zu of %d faces found (recall %.3f), %d duplicates (%.1f %%), %zu other vertical planes", s.matches.size(), s.faces,
-           s.recall(), s.duplicates, 100 * s.duplicate_share(), s.other_planes.size());
+  add_line(text, "walls: %zu of %d faces found (recall %.3f), %d duplicates (%.1f %%)", s.matches.size(), s.faces, s.recall(), s.duplicates,
+           100 * s.duplicate_share());
+  add_line(text, "  further vertical planes: %zu on a face but looking into the wall, %zu on no face", s.reversed_planes.size(),
+           s.other_planes.size());
   if (s.matches.empty()) return;
   const Statistics normal = s.normal_error_deg();
   const Statistics position = s.position_error();

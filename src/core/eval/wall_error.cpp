@@ -10,7 +10,7 @@ namespace sgraph {
 namespace {
 
 constexpr double least_common = 0.5;      // [m]
-constexpr double farthest = 0.15;         // [m]
+constexpr double farthest = 0.1;          // [m]
 constexpr double reference_height = 1.2;  // above the wall's bottom, where distances are taken [m]
 const double steepest = std::sin(15 * M_PI / 180);
 const double largest_turn = 5 * M_PI / 180;
@@ -104,7 +104,10 @@ WallScore score_walls(const std::vector<ScenePlane>& planes, const Pose& T_truth
     score.matches.push_back(std::move(match));
   }
   for (std::size_t p = 0; p < placed.size(); ++p) {
-    if (!on_a_face.count(p)) score.other_planes.push_back(placed[p].id);
+    if (on_a_face.count(p)) continue;
+    const Placed turned{placed[p].id, {-placed[p].plane.normal, -placed[p].plane.d}, placed[p].outline};
+    const bool reversed = std::any_of(faces.begin(), faces.end(), [&turned](const WallFace& face) { return common_stretch(turned, face) > 0; });
+    (reversed ? score.reversed_planes : score.other_planes).push_back(placed[p].id);
   }
   return score;
 }

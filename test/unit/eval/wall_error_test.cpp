@@ -121,7 +121,8 @@ TEST(WallScore, OppositeFaceTurnedShiftedOrElsewhereIsNoMatch) {
   EXPECT_EQ(score.matches.size(), 0u);
   EXPECT_EQ(score.missed.size(), 4u);
   EXPECT_EQ(score.recall(), 0);
-  EXPECT_EQ(score.other_planes, (std::vector<std::int64_t>{0, 1, 2, 3}));
+  EXPECT_EQ(score.reversed_planes, (std::vector<std::int64_t>{0}));
+  EXPECT_EQ(score.other_planes, (std::vector<std::int64_t>{1, 2, 3}));
 }
 
 TEST(WallScore, CountsDuplicatesAndIgnoresFloors) {

@@ -19,11 +19,12 @@ struct WallMatch {
 
 /// Mapped planes against the faces of the true walls.
 struct WallScore {
-  int faces = 0;                           ///< of which more than `seen_length` was in view: those that have to be found
-  std::vector<WallMatch> matches;          ///< of those faces
-  std::vector<std::size_t> missed;         ///< of those faces
-  int duplicates = 0;                      ///< planes beyond the first on a face that has to be found
-  std::vector<std::int64_t> other_planes;  ///< vertical planes on no face at all: furniture, columns, reveals
+  int faces = 0;                              ///< of which more than `seen_length` was in view: those that have to be found
+  std::vector<WallMatch> matches;             ///< of those faces
+  std::vector<std::size_t> missed;            ///< of those faces
+  int duplicates = 0;                         ///< planes beyond the first on a face that has to be found
+  std::vector<std::int64_t> reversed_planes;  ///< vertical planes that lie on a face but look into the wall: their side was mistaken
+  std::vector<std::int64_t> other_planes;     ///< vertical planes on no face at all: furniture, columns, reveals
 
   [[nodiscard]] double recall() const { return faces == 0 ? 1 : static_cast<double>(matches.size()) / faces; }
   [[nodiscard]] double duplicate_share() const { return matches.empty() ? 0 : static_cast<double>(duplicates) / static_cast<double>(matches.size()); }
@@ -31,7 +32,7 @@ struct WallScore {
   [[nodiscard]] Statistics position_error() const;
 };
 
-/// A plane lies on a face when it is vertical, its normal looks the same way within 5 degrees, it is within 0.15 m of the face in the middle of their
+/// A plane lies on a face when it is vertical, its normal looks the same way within 5 degrees, it is within 0.1 m of the face in the middle of their
 /// common stretch, and that is at least 0.5 m long. `planes` are in the map's frame, the faces in the truth's.
 WallScore score_walls(const std::vector<ScenePlane>& planes, const Pose& T_truth_map, const std::vector<WallFace>& faces, double seen_length = 2);
 
