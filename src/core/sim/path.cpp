@@ -23,9 +23,9 @@ struct PathPoint {
 };
 
 // Curve of length 1 that turns by `angle` with the curvature angle (1 - cos 2 pi s): curvature and its first derivative vanish at both ends.
-Eigen::Vector2d unit_curve(double angle, double s, int pieces) {
+Eigen::Vector2d unit_curve(double angle, int pieces) {
   Eigen::Vector2d end = Eigen::Vector2d::Zero();
-  const double h = s / pieces;
+  const double h = 1.0 / pieces;
   for (int i = 0; i < pieces; ++i) {
     const double m = (i + 0.5) * h;
     const double heading = angle * (m - std::sin(2 * M_PI * m) / (2 * M_PI));
@@ -66,7 +66,7 @@ class PathBuilder {
   }
 
   void curve(const Eigen::Vector2d& from, double heading, double angle, double cut) {
-    const Eigen::Vector2d chord = unit_curve(angle, 1.0, 400);
+    const Eigen::Vector2d chord = unit_curve(angle, 400);
     const double length = cut * std::abs(std::sin(angle) / chord.y());
     const int pieces = std::max(20, static_cast<int>(std::ceil(length / step)));
     const Eigen::Rotation2Dd turn(heading);
@@ -128,10 +128,18 @@ class Driver {
     double unwrapped = last + offset;
     double time = states_.back().time;
     for (std::size_t i = 1; i < path.size(); ++i) {
-      time += 2 * path[i - 1].length / (speed[i - 1] + speed[i]);
-      unwrapped += wrap(path[i].heading - last);
+      const PathPoint& from = path[i - 1];
+      const double seconds = 2 * from.length / (speed[i - 1] + speed[i]);
+      const double turn = wrap(path[i].heading - last);
+      const int pieces = std::max(1, static_cast<int>(std::ceil(seconds / 0.01)));
+      for (int k = 1; k <= pieces; ++k) {  // with constant acceleration, as near a stop one step takes long
+        const double t = seconds * k / pieces;
+        const double f = (speed[i - 1] + 0.5 * (speed[i] - speed[i - 1]) * t / seconds) * t / from.length;
+        states_.push_back({time + t, from.position + f * (path[i].position - from.position), unwrapped + f * turn});
+      }
+      time += seconds;
+      unwrapped += turn;
       last = path[i].heading;
-      states_.push_back({time, path[i].position, unwrapped});
     }
   }
 

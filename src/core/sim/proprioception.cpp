@@ -37,8 +37,8 @@ std::vector<EncoderReading> simulate_encoders(const Motion& motion, double durat
   double heading = 0;
   for (int i = 0; i <= count; ++i) {
     const PlanarPose now = planar(motion.pose_at(i * dt));
-    Eigen::Vector2d moved = Eigen::Rotation2Dd(-last.heading) * (now.position - last.position);
     double turned = std::remainder(now.heading - last.heading, 2 * M_PI);
+    Eigen::Vector2d moved = Eigen::Rotation2Dd(-last.heading - 0.5 * turned) * (now.position - last.position);
     const double distance = moved.norm();
     const bool walks = distance > 1e-5 || std::abs(turned) > 1e-5;
     const double along = noise.next_normal();
