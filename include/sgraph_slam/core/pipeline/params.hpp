@@ -2,6 +2,7 @@
 
 #include <string>
 
+#include "sgraph_slam/core/io/params.hpp"
 #include "sgraph_slam/core/mapping/params.hpp"
 #include "sgraph_slam/core/odometry/params.hpp"
 #include "sgraph_slam/core/prefilter/params.hpp"
@@ -15,12 +16,14 @@ struct Params {
   OdometryParams odometry;
   SegmentationParams segmentation;
   MappingParams mapping;
+  OutputParams output;
 
   void describe(ParamVisitor& v) {
     v.group("prefilter", prefilter, "Thins a raw scan and drops what can't be a surface.");
     v.group("odometry", odometry, "Motion of the robot, local map, keyframes.");
     v.group("segmentation", segmentation, "Planes in a keyframe's cloud.");
     v.group("mapping", mapping, "The S-Graph.");
+    v.group("output", output, "The files of a map.");
   }
 };
 

@@ -1,0 +1,49 @@
+#pragma once
+
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "sgraph_slam/core/io/occupancy_grid.hpp"
+#include "sgraph_slam/core/types/scene.hpp"
+
+namespace sgraph {
+
+using Segment2d = std::pair<Eigen::Vector2d, Eigen::Vector2d>;
+
+/// One vertical plane seen from above.
+struct PlanWall {
+  Segment2d line;                ///< its whole extent
+  std::vector<Segment2d> solid;  ///< where there is an obstacle in the grid's band; between these are doors and what furniture hides
+  bool low = false;              ///< not as high as a wall: furniture
+};
+
+/// A room or a corridor.
+struct PlanPlace {
+  std::string name;  ///< "Room 3"
+  Eigen::Vector2d center;
+  Eigen::Vector2d size;                  ///< along its own x and y [m]; a corridor's: length, width
+  std::vector<Eigen::Vector2d> outline;  ///< counter-clockwise
+  bool corridor = false;
+};
+
+/// A building seen from above, in the map frame.
+struct FloorPlan {
+  double yaw = 0;  ///< of the walls: the drawing is turned by as much, at most 45 degrees, so that they lie along the page
+  std::vector<PlanWall> walls;
+  std::vector<PlanPlace> places;
+  std::vector<Eigen::Vector2d> path;
+  std::vector<Segment2d> obstacles;  ///< occupied cells, joined in rows: first and last cell's centre
+  double cell = 0.05;                ///< edge of the cells of `obstacles` [m]
+};
+
+FloorPlan make_floor_plan(const GraphSnapshot& snapshot, const OccupancyGrid& grid, const Trajectory& path);
+
+/// The plan as a drawing: walls, places with names and sizes, path, scale bar. The longer side of the picture is 1600 pixels.
+std::string floor_plan_svg(const FloorPlan& plan);
+/// The same as a PNG file's bytes.
+std::string floor_plan_png(const FloorPlan& plan);
+
+}  // namespace sgraph

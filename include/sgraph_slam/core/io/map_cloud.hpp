@@ -1,0 +1,21 @@
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "sgraph_slam/core/types/scene.hpp"
+
+namespace sgraph {
+
+/// The keyframes' clouds where the graph has them: map frame, one point a voxel of edge `leaf` [m] (the first one seen; 0: all). Points that are
+/// not finite are left out. Times are 0.
+Cloud map_cloud(const GraphSnapshot& snapshot, const Pose& T_base_lidar, double leaf);
+
+/// A cloud as the bytes of a binary PCD file (x y z intensity, float32).
+std::string pcd_bytes(const Cloud& cloud);
+
+/// The floor that a keyframe stands on, in the map: the largest upward-facing horizontal plane below the LiDAR that this keyframe saw; else a level
+/// plane at the lowest of the cloud's points. Nothing when neither is known.
+std::optional<Plane> floor_below(const GraphSnapshot& snapshot, const SceneKeyframe& keyframe, const Pose& T_base_lidar);
+
+}  // namespace sgraph

@@ -1,0 +1,37 @@
+#include "sgraph_slam/core/io/map_folder.hpp"
+
+#include <sstream>
+
+#include "sgraph_slam/core/io/file.hpp"
+#include "sgraph_slam/core/io/floor_plan.hpp"
+#include "sgraph_slam/core/io/graph_json.hpp"
+#include "sgraph_slam/core/io/map_cloud.hpp"
+#include "sgraph_slam/core/io/occupancy_grid.hpp"
+#include "sgraph_slam/core/io/tum.hpp"
+
+namespace sgraph {
+
+std::string tum_text(const Trajectory& trajectory) {
+  std::ostringstream text;
+  write_tum(trajectory, text);
+  return text.str();
+}
+
+void write_map(const std::string& folder, const GraphSnapshot& snapshot, const Trajectory& path, const Pose& T_base_lidar,
+               const OutputParams& params) {
+  make_folder(folder);
+  const std::string base = folder + '/';
+  Trajectory keyframes;
+  for (const auto& [id, keyframe] : snapshot.keyframes) keyframes.push_back({keyframe.stamp, keyframe.T_map_base});
+  write_file(base + "keyframes.tum", tum_text(keyframes));
+  write_file(base + "graph.json", graph_json(snapshot));
+  write_file(base + "map.pcd", pcd_bytes(map_cloud(snapshot, T_base_lidar, params.cloud_leaf)));
+  const OccupancyGrid grid = make_occupancy_grid(snapshot, T_base_lidar, params);
+  write_file(base + "map.pgm", pgm_bytes(grid));
+  write_file(base + "map.yaml", map_yaml(grid, "map.pgm"));
+  const FloorPlan plan = make_floor_plan(snapshot, grid, path);
+  write_file(base + "floor_plan.png", floor_plan_png(plan));
+  write_file(base + "floor_plan.svg", floor_plan_svg(plan));
+}
+
+}  // namespace sgraph
