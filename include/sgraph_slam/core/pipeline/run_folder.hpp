@@ -1,0 +1,57 @@
+#pragma once
+
+#include <map>
+#include <string>
+#include <vector>
+
+#include "sgraph_slam/core/pipeline/pipeline.hpp"
+
+namespace sgraph {
+
+/// What a run's report says beyond what its pipeline knows.
+struct RunInfo {
+  std::vector<std::string> sources;           ///< recordings
+  double wall_seconds = 0;                    ///< from the first scan read to the last solve
+  std::map<std::string, int> dropped_before;  ///< scans that never reached the pipeline, by reason
+  std::string stopped_by;                     ///< why the run ended early; empty when it didn't
+};
+
+/// Time that a stage took, over the scans in which it ran.
+struct StageFigures {
+  Stage stage = Stage::prefilter;
+  int runs = 0;
+  double mean = 0, std = 0, p50 = 0, p99 = 0, max = 0;  ///< [ms]
+};
+
+/// The figures of report.json.
+struct RunReport {
+  RunInfo info;
+  int scans = 0;     ///< that reached the pipeline
+  int accepted = 0;  ///< by the odometry
+  std::map<std::string, int> dropped;
+  int keyframes = 0;
+  int planes = 0, rooms = 0, corridors = 0;
+  double path_length = 0;   ///< [m]
+  double data_seconds = 0;  ///< from the first scan's stamp to the last one's
+  double times_real_time = 0;
+  double cpu_seconds = 0;
+  double peak_memory_mib = 0;
+  std::map<std::string, int> odometry_status;  ///< scans by how their motion was found
+  std::vector<StageFigures> stages;
+  StageTimes finish_milliseconds{};
+  std::vector<SolveSummary> solves;
+};
+
+/// CPU time and memory are those of the process at the moment of the call.
+RunReport make_report(const Pipeline& pipeline, const RunInfo& info);
+std::string report_json(const RunReport& report);
+/// The report in short, for a terminal.
+std::string report_table(const RunReport& report);
+/// A row a scan.
+std::string timings_csv(const std::vector<ScanRecord>& records);
+
+/// Writes the run folder: trajectories, parameters, timings, the report, and the map's files when the run went as far as mapping. Throws
+/// std::runtime_error with the file and the reason. Returns the report.
+RunReport write_run(const std::string& folder, const Pipeline& pipeline, const Params& params, const RunInfo& info);
+
+}  // namespace sgraph

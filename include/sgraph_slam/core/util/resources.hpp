@@ -1,0 +1,9 @@
+#pragma once
+
+namespace sgraph {
+
+/// What the process has used so far; for reports.
+double cpu_seconds();      ///< of all its threads, user and system
+double peak_memory_mib();  ///< largest resident size [MiB]
+
+}  // namespace sgraph

@@ -1,0 +1,186 @@
+// Maps a recording as fast as the machine can, without a ROS master, and writes a run folder.
+#include <tbb/global_control.h>
+#include <unistd.h>
+
+#include <CLI/CLI.hpp>
+#include <atomic>
+#include <csignal>
+#include <cstdio>
+#include <iostream>
+#include <stdexcept>
+
+#include "sgraph_slam/core/io/file.hpp"
+#include "sgraph_slam/core/params/params_io.hpp"
+#include "sgraph_slam/core/pipeline/run_folder.hpp"
+#include "sgraph_slam/core/util/progress.hpp"
+#include "sgraph_slam/core/util/stopwatch.hpp"
+#include "sgraph_slam/ros/bag_source.hpp"
+#include "sgraph_slam/ros/settings.hpp"
+
+namespace sgraph {
+namespace {
+
+std::atomic<bool> interrupted{false};
+
+struct Options {
+  BagOptions bag;
+  std::string out;
+  std::vector<std::string> configs;
+  std::vector<std::string> assignments;
+  std::string odometry;
+  std::string base_frame;
+  std::string base_to_lidar;
+  std::string odom_topic;
+  std::string until = "mapping";
+  double duration = 0;
+  int threads = 0;
+  bool quiet = false;
+};
+
+void declare(CLI::App& app, Options& options) {
+  app.add_option("BAG", options.bag.bags, "Recordings; several are merged by time")->required();
+  app.add_option("--out", options.out, "Run folder to write")->required();
+  app.add_option("--config", options.configs, "YAML file over the defaults; later ones win")->take_all();
+  app.add_option("--set", options.assignments, "NAME=VALUE: one parameter, over the files")->take_all();
+  app.add_option("--points-topic", options.bag.points_topic, "Clouds (sensor_msgs/PointCloud2)")->capture_default_str();
+  app.add_option("--odom-topic", options.odom_topic, "Robot's odometry (nav_msgs/Odometry); /odom with --odometry topic, else none");
+  app.add_option("--imu-topic", options.bag.imu_topic, "Inertial unit (sensor_msgs/Imu); none unless given");
+  app.add_option("--odometry", options.odometry, "vgicp: from the LiDAR; topic: the robot's own")->check(CLI::IsMember({"vgicp", "topic"}));
+  app.add_option("--base-frame", options.base_frame, "Robot's frame (base_link)");
+  app.add_option("--base-to-lidar", options.base_to_lidar, "\"X Y Z YAW PITCH ROLL\" of the LiDAR on the robot, in place of /tf_static");
+  app.add_option("--until", options.until, "Last stage to run")
+      ->capture_default_str()
+      ->check(CLI::IsMember({"prefilter", "odometry", "segmentation", "mapping"}));
+  app.add_option("--start", options.bag.start, "Seconds to leave out at the beginning")->check(CLI::NonNegativeNumber);
+  app.add_option("--duration", options.duration, "Seconds to read")->check(CLI::PositiveNumber);
+  app.add_option("--threads", options.threads, "Most threads to use; 0: all")->check(CLI::NonNegativeNumber);
+  app.add_flag("--quiet", options.quiet, "Print errors only");
+  app.get_option("--config")->allow_extra_args(false);
+  app.get_option("--set")->allow_extra_args(false);
+}
+
+Settings read_settings(const Options& options) {
+  ParamValues values;
+  for (const std::string& path : options.configs) {
+    for (const auto& [name, value] : read_yaml_values(path)) values[name] = value;
+  }
+  for (const std::string& assignment : options.assignments) set_value(values, assignment);
+  if (!options.odometry.empty()) values["odometry.source"] = options.odometry;
+  Settings settings;
+  apply_values(values, [&settings](ParamVisitor& v) {
+    settings.params.describe(v);
+    v.group("ros", settings.ros, "What the nodelets need beside; frames and mount count here too.");
+  });
+  if (!options.base_frame.empty()) settings.ros.base_frame = options.base_frame;
+  if (!options.base_to_lidar.empty()) settings.ros.base_to_lidar = options.base_to_lidar;
+  return settings;
+}
+
+BagOptions bag_options(const Options& options, const Settings& settings) {
+  BagOptions bag = options.bag;
+  bag.odom_topic = options.odom_topic.empty() && settings.params.odometry.source == "topic" ? "/odom" : options.odom_topic;
+  bag.base_frame = settings.ros.base_frame;
+  if (!settings.ros.base_to_lidar.empty()) bag.T_base_lidar = parse_mount(settings.ros.base_to_lidar);
+  if (options.duration > 0) bag.duration = options.duration;
+  return bag;
+}
+
+// Feeds the recording to the pipeline until its end, an interrupt, or damage in the file; says which in `info`.
+void map_recording(BagSource& source, Pipeline& pipeline, bool quiet, RunInfo& info) {
+  Progress progress(source.scan_count(), isatty(STDERR_FILENO) != 0);
+  Stopwatch watch;
+  double seconds = 0;
+  try {
+    while (auto event = source.next()) {
+      if (interrupted) {
+        info.stopped_by = "interrupt";
+        break;
+      }
+      if (const auto* odometry = std::get_if<OdometrySample>(&*event)) pipeline.add(*odometry);
+      if (const auto* imu = std::get_if<ImuSample>(&*event)) pipeline.add(*imu);
+      const auto* scan = std::get_if<CloudPtr>(&*event);
+      if (scan == nullptr) continue;
+      pipeline.process(**scan);
+      seconds += 1e-3 * watch.lap();
+      const auto& records = pipeline.records();
+      if (!quiet) std::cerr << progress.after(static_cast<int>(records.size()), records.back().stamp - records.front().stamp, seconds) << std::flush;
+    }
+  } catch (const std::runtime_error& error) {  // what was read so far is still worth its map
+    info.stopped_by = error.what();
+  }
+  pipeline.finish();
+  info.wall_seconds = seconds + 1e-3 * watch.lap();
+  if (!quiet) std::cerr << progress.end();
+  for (const auto& [fault, count] : source.dropped()) info.dropped_before[to_string(fault)] += count;
+}
+
+void refuse_if_nothing_was_mapped(const Pipeline& pipeline, const RunInfo& info) {
+  if (pipeline.until() == Stage::prefilter || !pipeline.live_trajectory().empty()) return;
+  const RunReport report = make_report(pipeline, info);
+  std::string reasons;
+  for (const auto& [reason, count] : report.dropped) reasons += (reasons.empty() ? "" : ", ") + reason + ' ' + std::to_string(count);
+  throw std::runtime_error("not one scan could be used (" + (reasons.empty() ? "none was read" : reasons) + ")");
+}
+
+void run(const Options& options) {
+  const Settings settings = read_settings(options);
+  make_folder(options.out);  // before the work, not after it
+  BagSource source(bag_options(options, settings));
+  Pipeline pipeline(settings.params, source.T_base_lidar(), *stage_from(options.until));
+  RunInfo info;
+  info.sources = options.bag.bags;
+  map_recording(source, pipeline, options.quiet, info);
+  const bool damaged = !info.stopped_by.empty() && !interrupted;
+  if (damaged && pipeline.live_trajectory().empty()) throw std::runtime_error(info.stopped_by);
+  refuse_if_nothing_was_mapped(pipeline, info);
+  const RunReport report = write_run(options.out, pipeline, settings.params, info);
+  if (!options.quiet) std::cout << report_table(report) << "written to " << options.out << (interrupted ? " (interrupted)" : "") << std::endl;
+  if (damaged) throw std::runtime_error(info.stopped_by + "; what came before is in " + options.out);
+}
+
+// A mount may also be given as six numbers; CLI11 would take the negative ones for options.
+std::vector<std::string> arguments(int argc, char** argv) {
+  const auto is_number = [](const std::string& word) { return !word.empty() && word.find_first_not_of("0123456789+-.eE") == std::string::npos; };
+  std::vector<std::string> words;
+  for (int i = 1; i < argc; ++i) {
+    words.emplace_back(argv[i]);
+    if (words.back() != "--base-to-lidar" || i + 6 >= argc) continue;
+    std::string joined;
+    int taken = 0;
+    for (; taken < 6 && is_number(argv[i + 1 + taken]); ++taken) joined += (taken == 0 ? "" : " ") + std::string(argv[i + 1 + taken]);
+    if (taken != 6) continue;
+    words.push_back(joined);
+    i += taken;
+  }
+  return {words.rbegin(), words.rend()};  // CLI11 wants them backwards
+}
+
+int main_of_run_bag(int argc, char** argv) {
+  Options options;
+  CLI::App app("Maps a recording and writes a run folder: trajectories, graph, map, floor plan, report", "run_bag");
+  declare(app, options);
+  try {
+    app.parse(arguments(argc, argv));
+    std::signal(SIGINT, [](int) {
+      interrupted = true;
+      std::signal(SIGINT, SIG_DFL);  // a second one ends at once
+    });
+    std::optional<tbb::global_control> limit;
+    if (options.threads > 0) limit.emplace(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(options.threads));
+    run(options);
+    return 0;
+  } catch (const CLI::CallForHelp&) {
+    std::cout << app.help();
+    return 0;
+  } catch (const ParamError& error) {
+    for (const std::string& line : error.errors()) std::cerr << "run_bag: " << line << '\n';
+  } catch (const std::exception& error) {
+    std::cerr << "run_bag: " << error.what() << '\n';
+  }
+  return 1;
+}
+
+}  // namespace
+}  // namespace sgraph
+
+int main(int argc, char** argv) { return sgraph::main_of_run_bag(argc, argv); }

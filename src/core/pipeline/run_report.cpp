@@ -1,0 +1,154 @@
+#include <array>
+#include <cstdio>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "sgraph_slam/core/eval/statistics.hpp"
+#include "sgraph_slam/core/pipeline/run_folder.hpp"
+#include "sgraph_slam/core/util/resources.hpp"
+
+namespace sgraph {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+StageFigures figures_of(Stage stage, const std::vector<ScanRecord>& records) {
+  std::vector<double> times;
+  for (const ScanRecord& record : records) {
+    if (const double ms = record.milliseconds[static_cast<std::size_t>(stage)]; ms > 0) times.push_back(ms);
+  }
+  const Statistics statistics = statistics_of(times);
+  return {stage, statistics.count, statistics.mean, statistics.std, statistics.median, quantile(times, 0.99), statistics.max};
+}
+
+double length_of(const Trajectory& trajectory) {
+  double length = 0;
+  for (std::size_t i = 1; i < trajectory.size(); ++i) length += (trajectory[i].pose.translation - trajectory[i - 1].pose.translation).norm();
+  return length;
+}
+
+Json to_json(const StageFigures& figures) {
+  return {{"runs", figures.runs}, {"mean", figures.mean}, {"std", figures.std}, {"p50", figures.p50}, {"p99", figures.p99}, {"max", figures.max}};
+}
+
+Json to_json(const SolveSummary& solve) {
+  return {{"keyframes", solve.keyframes},       {"planes", solve.planes},         {"factors", solve.factors}, {"iterations", solve.iterations},
+          {"initial_cost", solve.initial_cost}, {"final_cost", solve.final_cost}, {"ms", solve.milliseconds}, {"converged", solve.converged}};
+}
+
+template <class... Values>
+std::string format(const char* pattern, Values... values) {
+  std::array<char, 256> text{};
+  std::snprintf(text.data(), text.size(), pattern, values...);
+  return text.data();
+}
+
+std::string listed(const std::map<std::string, int>& counts) {
+  std::string text;
+  for (const auto& [name, count] : counts) text += (text.empty() ? "" : ", ") + name + ' ' + std::to_string(count);
+  return text;
+}
+
+}  // namespace
+
+RunReport make_report(const Pipeline& pipeline, const RunInfo& info) {
+  RunReport report;
+  report.info = info;
+  const auto& records = pipeline.records();
+  report.scans = static_cast<int>(records.size());
+  report.dropped = info.dropped_before;
+  for (const ScanRecord& record : records) {
+    if (record.verdict != ScanVerdict::accepted) {
+      ++report.dropped[to_string(record.verdict)];
+    } else if (pipeline.until() >= Stage::odometry) {
+      ++report.odometry_status[to_string(record.odometry.status)];
+      ++report.accepted;
+    }
+  }
+  const GraphSnapshotPtr snapshot = pipeline.snapshot();
+  report.keyframes = static_cast<int>(pipeline.odometry_keyframes().size());
+  report.planes = static_cast<int>(snapshot->planes.size());
+  report.rooms = static_cast<int>(snapshot->rooms.size());
+  report.corridors = static_cast<int>(snapshot->corridors.size());
+  report.path_length = length_of(pipeline.trajectory());
+  if (!records.empty()) report.data_seconds = records.back().stamp - records.front().stamp;
+  if (info.wall_seconds > 0) report.times_real_time = report.data_seconds / info.wall_seconds;
+  report.cpu_seconds = cpu_seconds();
+  report.peak_memory_mib = peak_memory_mib();
+  for (const Stage stage : all_stages) {
+    if (stage <= pipeline.until()) report.stages.push_back(figures_of(stage, records));
+  }
+  report.finish_milliseconds = pipeline.finish_milliseconds();
+  report.solves = pipeline.solves();
+  return report;
+}
+
+std::string report_json(const RunReport& report) {
+  Json stages = Json::object();
+  Json finish = Json::object();
+  for (const StageFigures& figures : report.stages) {
+    stages[to_string(figures.stage)] = to_json(figures);
+    finish[to_string(figures.stage)] = report.finish_milliseconds[static_cast<std::size_t>(figures.stage)];
+  }
+  Json solves = Json::array();
+  for (const SolveSummary& solve : report.solves) solves.push_back(to_json(solve));
+  const Json json = {{"sources", report.info.sources},
+                     {"stopped_by", report.info.stopped_by},
+                     {"counts",
+                      {{"scans", report.scans},
+                       {"accepted", report.accepted},
+                       {"keyframes", report.keyframes},
+                       {"planes", report.planes},
+                       {"rooms", report.rooms},
+                       {"corridors", report.corridors}}},
+                     {"dropped", report.dropped},
+                     {"odometry_status", report.odometry_status},
+                     {"path_length_m", report.path_length},
+                     {"data_seconds", report.data_seconds},
+                     {"wall_seconds", report.info.wall_seconds},
+                     {"times_real_time", report.times_real_time},
+                     {"cpu_seconds", report.cpu_seconds},
+                     {"peak_memory_mib", report.peak_memory_mib},
+                     {"stages_ms", stages},
+                     {"finish_ms", finish},
+                     {"solves", solves}};
+  return json.dump(1) + '\n';
+}
+
+std::string report_table(const RunReport& report) {
+  std::ostringstream text;
+  text << format("%d scans over %.1f s, %.1f m\n", report.scans, report.data_seconds, report.path_length);
+  if (!report.dropped.empty()) text << "scans dropped: " << listed(report.dropped) << '\n';
+  if (!report.odometry_status.empty()) text << "odometry: " << listed(report.odometry_status) << '\n';
+  if (!report.solves.empty()) {
+    text << format("map: %d keyframes, %d planes, %d rooms, %d corridors, %zu solves\n", report.keyframes, report.planes, report.rooms,
+                   report.corridors, report.solves.size());
+  }
+  text << format("\n%-14s %6s %9s %9s %9s %9s\n", "stage [ms]", "runs", "mean", "p50", "p99", "max");
+  for (const StageFigures& figures : report.stages) {
+    text << format("%-14s %6d %9.2f %9.2f %9.2f %9.2f\n", to_string(figures.stage), figures.runs, figures.mean, figures.p50, figures.p99,
+                   figures.max);
+  }
+  const double share = report.data_seconds > 0 ? report.cpu_seconds / report.data_seconds : 0;
+  text << format("\n%.1f x real time (%.1f s), CPU %.1f s (%.2f s a second of data), peak memory %.0f MiB\n", report.times_real_time,
+                 report.info.wall_seconds, report.cpu_seconds, share, report.peak_memory_mib);
+  return text.str();
+}
+
+std::string timings_csv(const std::vector<ScanRecord>& records) {
+  std::ostringstream text;
+  text << "stamp";
+  for (const Stage stage : all_stages) text << ',' << to_string(stage) << "_ms";
+  text << ",points,kept,verdict,status,inlier_share,residual_rms_m,iterations,keyframes,segments\n";
+  for (const ScanRecord& record : records) {
+    const std::int64_t ns = record.stamp.nanoseconds;
+    text << format("%lld.%09lld", static_cast<long long>(ns / 1'000'000'000), static_cast<long long>(ns % 1'000'000'000));
+    for (const double ms : record.milliseconds) text << format(",%.3f", ms);
+    const OdometryEstimate& odometry = record.odometry;
+    text << format(",%d,%d,%s,%s,%.3f,%.4f,%d,%d,%d\n", record.counts.input, record.counts.kept, to_string(record.verdict),
+                   to_string(odometry.status), odometry.inlier_share, odometry.residual_rms, odometry.iterations, record.keyframes, record.segments);
+  }
+  return text.str();
+}
+
+}  // namespace sgraph
