@@ -4,6 +4,8 @@
 #include <cmath>
 #include <unordered_set>
 
+#include "sgraph_slam/core/math/outline_area.hpp"
+
 namespace sgraph {
 namespace {
 
@@ -15,14 +17,6 @@ std::uint64_t voxel_of(const Eigen::Vector3d& p, double leaf) {
     return static_cast<std::uint64_t>(static_cast<std::int64_t>(std::floor(value / leaf)) + (1 << 20)) & ((1U << 21) - 1);
   };
   return axis(p.x()) << 42 | axis(p.y()) << 21 | axis(p.z());
-}
-
-double area_of(const std::vector<Eigen::Vector3d>& outline) {
-  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
-  for (std::size_t i = 0; i < outline.size(); ++i) {
-    sum += (outline[i] - outline[0]).cross(outline[(i + 1) % outline.size()] - outline[0]);
-  }
-  return 0.5 * sum.norm();
 }
 
 }  // namespace
@@ -71,7 +65,7 @@ std::optional<Plane> floor_below(const GraphSnapshot& snapshot, const SceneKeyfr
     const double height = plane.plane.distance(T_map_lidar.translation);
     const bool below = plane.plane_class == PlaneClass::horizontal && plane.plane.normal.z() > 0 && height > 0.05;
     if (!below || plane.keyframes.count(keyframe.id) == 0) continue;
-    if (floor == nullptr || area_of(plane.extent) > area_of(floor->extent)) floor = &plane;
+    if (floor == nullptr || outline_area(plane.extent) > outline_area(floor->extent)) floor = &plane;
   }
   if (floor != nullptr) return floor->plane;
   if (!keyframe.cloud) return std::nullopt;

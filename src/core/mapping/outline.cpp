@@ -107,12 +107,6 @@ double outline_distance(const Plane& plane, const Outline& a, const Outline& b) 
   return std::min(corner_distance(fa, fb), corner_distance(fb, fa));
 }
 
-double outline_area(const Outline& outline) {
-  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
-  for (std::size_t i = 1; i + 1 < outline.size(); ++i) sum += (outline[i] - outline[0]).cross(outline[i + 1] - outline[0]);
-  return 0.5 * sum.norm();
-}
-
 Eigen::Vector3d outline_center(const Outline& outline) {
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
   for (const auto& p : outline) sum += p;

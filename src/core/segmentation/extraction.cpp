@@ -222,7 +222,7 @@ bool large_enough(const PointSet& points, const Surface& surface, const Limits& 
   const PlaneFit fit = fit_plane(surface.scatter);
   // An even rectangle of length l has the standard deviation l / sqrt(12).
   if (!fit.valid || fit.spread[2] * std::sqrt(12.0) < params.min_length || fit.spread[1] * std::sqrt(12.0) < params.min_width) return false;
-  return area_within(outline(points, surface.members, surface.plane)) >= params.min_area;
+  return outline_area(outline(points, surface.members, surface.plane)) >= params.min_area;
 }
 
 Extraction extract_surfaces(const PointSet& points, const std::vector<Eigen::Vector3f>& viewpoints, const SegmentationParams& params) {

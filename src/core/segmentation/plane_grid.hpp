@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "point_set.hpp"
+#include "sgraph_slam/core/math/outline_area.hpp"
 #include "sgraph_slam/core/segmentation/params.hpp"
 
 namespace sgraph {
@@ -65,8 +66,5 @@ Mask mask_of(const PlaneCells& cells, const std::vector<const Piece*>& pieces);
 
 /// Convex outline of points on a plane, counter-clockwise about its normal, within a hundredth of its height. Empty for fewer than three points.
 std::vector<Eigen::Vector3d> outline(const PointSet& points, const std::vector<std::uint32_t>& which, const Plane& plane);
-
-/// Area within an outline on a plane [m^2].
-double area_within(const std::vector<Eigen::Vector3d>& corners);
 
 }  // namespace sgraph

@@ -4,6 +4,7 @@
 
 #include <Eigen/Core>
 
+#include "sgraph_slam/core/math/outline_area.hpp"
 #include "sgraph_slam/core/types/plane.hpp"
 
 namespace sgraph {
@@ -21,9 +22,6 @@ Outline grown_outline(const Plane& plane, const Outline& outline, const std::vec
 /// Shortest distance on the plane between two convex outlines [m]; 0 when they overlap, infinite when one is empty. Both are projected on the plane,
 /// so they may come from two estimates of it.
 double outline_distance(const Plane& plane, const Outline& a, const Outline& b);
-
-/// [m^2]
-double outline_area(const Outline& outline);
 
 /// Mean of the corners; zero for none.
 Eigen::Vector3d outline_center(const Outline& outline);
