@@ -7,25 +7,27 @@
 namespace sgraph {
 namespace {
 
+using PlusJacobian = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor, 7, 6>;
+
 // Derivative of the block by our tangent coordinates.
-Eigen::MatrixXd plus_jacobian(const VariableId& id, const double* x) {
+PlusJacobian plus_jacobian(const VariableId& id, const double* x) {
   if (std::holds_alternative<KeyframeId>(id)) {
     const Eigen::Map<const Eigen::Quaterniond> q(x);
     const Eigen::Vector3d v = q.vec();
-    Eigen::MatrixXd j = Eigen::MatrixXd::Zero(7, 6);
+    PlusJacobian j = PlusJacobian::Zero(7, 6);
     j.topLeftCorner<3, 3>() = 0.5 * (q.w() * Eigen::Matrix3d::Identity() + skew(v));
     j.block<1, 3>(3, 0) = -0.5 * v.transpose();
     j.bottomRightCorner<3, 3>() = q.toRotationMatrix();
     return j;
   }
   if (std::holds_alternative<PlaneId>(id)) {
-    Eigen::MatrixXd j = Eigen::MatrixXd::Zero(4, 3);
+    PlusJacobian j = PlusJacobian::Zero(4, 3);
     j.topLeftCorner<3, 2>() = tangent_basis(Eigen::Map<const Eigen::Vector3d>(x));
     j(3, 2) = 1.0;
     return j;
   }
   const int size = tangent_size(id);
-  return Eigen::MatrixXd::Identity(size, size);
+  return PlusJacobian::Identity(size, size);
 }
 
 }  // namespace
@@ -107,25 +109,33 @@ void set_from_block(Graph& graph, const VariableId& id, const Block& block) {
   }
 }
 
-void linearize(const Graph& graph, const FactorData& factor, Eigen::VectorXd& residual, std::vector<Eigen::MatrixXd>* jacobians) {
-  using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+SmallVector residual_of(const Graph& graph, const FactorData& factor) {
   const auto cost = make_cost(factor, graph);
-  const auto ids = blocks(factor);
-  std::vector<Block> values;
-  for (const VariableId& id : ids) values.push_back(block_of(graph, id));
-  std::vector<const double*> x;
-  std::vector<RowMajor> ambient;
+  const BlockIds ids = blocks(factor);
+  std::array<Block, 2> values{};
+  for (std::size_t i = 0; i < ids.size(); ++i) values[i] = block_of(graph, ids[i]);
+  const std::array<const double*, 2> x{values[0].data(), values[1].data()};
+  SmallVector residual(cost->num_residuals());
+  cost->Evaluate(x.data(), residual.data(), nullptr);
+  return residual;
+}
+
+Linearization linearize(const Graph& graph, const FactorData& factor) {
+  using Ambient = Eigen::Map<const Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>>;
+  const auto cost = make_cost(factor, graph);
+  const BlockIds ids = blocks(factor);
+  std::array<Block, 2> values{};
+  for (std::size_t i = 0; i < ids.size(); ++i) values[i] = block_of(graph, ids[i]);
+  const std::array<const double*, 2> x{values[0].data(), values[1].data()};
+  std::array<std::array<double, 42>, 2> ambient;
+  std::array<double*, 2> ambient_data{ambient[0].data(), ambient[1].data()};
+  Linearization out;
+  out.residual.resize(cost->num_residuals());
+  cost->Evaluate(x.data(), out.residual.data(), ambient_data.data());
   for (std::size_t i = 0; i < ids.size(); ++i) {
-    x.push_back(values[i].data());
-    ambient.emplace_back(cost->num_residuals(), block_size(ids[i]));
+    out.jacobians[i] = Ambient(ambient_data[i], cost->num_residuals(), block_size(ids[i])) * plus_jacobian(ids[i], x[i]);
   }
-  std::vector<double*> ambient_data;
-  for (RowMajor& j : ambient) ambient_data.push_back(j.data());
-  residual.resize(cost->num_residuals());
-  cost->Evaluate(x.data(), residual.data(), jacobians == nullptr ? nullptr : ambient_data.data());
-  if (jacobians == nullptr) return;
-  jacobians->clear();
-  for (std::size_t i = 0; i < ids.size(); ++i) jacobians->push_back(ambient[i] * plus_jacobian(ids[i], x[i]));
+  return out;
 }
 
 }  // namespace sgraph

@@ -37,8 +37,17 @@ Block block_of(const Graph& graph, const VariableId& id);
 /// Writes a block back into the graph, made unit length again where that applies.
 void set_from_block(Graph& graph, const VariableId& id, const Block& block);
 
-/// Weighted residual of a factor at the graph's values, without the robust loss, and its Jacobians by each of its blocks in our tangent spaces if
-/// they are asked for. The graph must have the factor's variables.
-void linearize(const Graph& graph, const FactorData& factor, Eigen::VectorXd& residual, std::vector<Eigen::MatrixXd>* jacobians);
+using SmallVector = Eigen::Matrix<double, Eigen::Dynamic, 1, Eigen::ColMajor, 6, 1>;
+using SmallMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor, 6, 6>;
+
+/// A factor at the graph's values, without its robust loss: weighted residual, and Jacobians by each of its blocks in our tangent spaces.
+struct Linearization {
+  SmallVector residual;
+  std::array<SmallMatrix, 2> jacobians;
+};
+
+/// The graph must have the factor's variables.
+Linearization linearize(const Graph& graph, const FactorData& factor);
+SmallVector residual_of(const Graph& graph, const FactorData& factor);
 
 }  // namespace sgraph

@@ -61,8 +61,8 @@ const char* to_string(RoomSide value) {
 
 const char* to_string(CorridorSide value) { return value == CorridorSide::right ? "right" : "left"; }
 
-std::vector<VariableId> blocks(const FactorData& data) {
-  using Ids = std::vector<VariableId>;
+BlockIds blocks(const FactorData& data) {
+  using Ids = BlockIds;
   return std::visit(Overloaded{[](const Se3Between& f) {
                                  return Ids{f.from, f.to};
                                },

@@ -33,11 +33,9 @@ bool is_statement(const FactorData& data) {
 
 bool same_statement(const FactorData& a, const FactorData& b) {
   if (a.index() != b.index()) return false;
-  auto of_a = blocks(a);
-  auto of_b = blocks(b);
-  std::sort(of_a.begin(), of_a.end());
-  std::sort(of_b.begin(), of_b.end());
-  if (of_a != of_b) return false;
+  const auto of_a = blocks(a);
+  const auto of_b = blocks(b);
+  if (!std::is_permutation(of_a.begin(), of_a.end(), of_b.begin(), of_b.end())) return false;
   const auto* room_a = std::get_if<RoomPlane>(&a);
   const auto* room_b = std::get_if<RoomPlane>(&b);
   return room_a == nullptr || room_a->side == room_b->side;

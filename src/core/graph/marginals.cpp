@@ -8,33 +8,27 @@
 #include <Eigen/SparseCholesky>
 
 #include "cost_blocks.hpp"
+#include "normal_equations.hpp"
+#include "selected_inverse.hpp"
 
 namespace sgraph {
 
 using Eigen::Index;
 using Eigen::MatrixXd;
 
-// H = sum of w J^T J over the factors, all variables but the gauge keyframe; its inverse is the covariance.
 class Marginals::Implementation {
  public:
-  explicit Implementation(const Graph& graph) {
-    Index size = 0;
-    const auto take = [&](const VariableId& id) {
-      if (graph.factors_of(id).empty()) return;  // unknown altogether
-      begin_.emplace(id, size);
-      size += tangent_size(id);
-    };
-    for (const auto& [id, pose] : graph.keyframes()) {
-      if (id == graph.keyframes().begin()->first) {
-        gauge_ = id;
-      } else {
-        take(id);
-      }
+  explicit Implementation(const Graph& graph) : equations_(graph) {
+    if (!graph.keyframes().empty()) gauge_ = graph.keyframes().begin()->first;
+    if (equations_.size() == 0) {
+      ok_ = true;
+      return;
     }
-    for (const auto& [id, plane] : graph.planes()) take(id);
-    for (const auto& [id, room] : graph.rooms()) take(id);
-    for (const auto& [id, corridor] : graph.corridors()) take(id);
-    factorize(graph, size);
+    solver_.compute(equations_.matrix());
+    if (solver_.info() != Eigen::Success) return;
+    // A pivot that has lost all its digits stands for a direction that no factor holds.
+    const Eigen::VectorXd pivots = solver_.vectorD();
+    ok_ = pivots.allFinite() && pivots.minCoeff() > 1e-14 * pivots.maxCoeff();
   }
 
   [[nodiscard]] bool ok() const { return ok_; }
@@ -43,68 +37,56 @@ class Marginals::Implementation {
     if (!ok_) return std::nullopt;
     Index size = 0;
     for (const VariableId& id : ids) {
-      if (id != gauge_ && begin_.count(id) == 0) return std::nullopt;
+      if (id != gauge_ && equations_.row_of(id) < 0) return std::nullopt;
       size += tangent_size(id);
     }
     MatrixXd out = MatrixXd::Zero(size, size);
-    Index column = 0;
-    for (const VariableId& b : ids) {
-      if (b != gauge_) {
-        const MatrixXd& of_b = columns(b);
-        Index row = 0;
-        for (const VariableId& a : ids) {
-          if (a != gauge_) out.block(row, column, tangent_size(a), tangent_size(b)) = of_b.middleRows(begin_.at(a), tangent_size(a));
-          row += tangent_size(a);
-        }
+    for (Index a = 0, row = 0; a < static_cast<Index>(ids.size()); ++a) {
+      const VariableId& id_a = ids[static_cast<std::size_t>(a)];
+      for (Index b = 0, column = 0; b <= a; ++b) {
+        const VariableId& id_b = ids[static_cast<std::size_t>(b)];
+        const MatrixXd part = cross(id_a, id_b);
+        out.block(row, column, part.rows(), part.cols()) = part;
+        if (a != b) out.block(column, row, part.cols(), part.rows()) = part.transpose();
+        column += tangent_size(id_b);
       }
-      column += tangent_size(b);
+      row += tangent_size(id_a);
     }
-    return 0.5 * (out + out.transpose());
+    return out;
   }
 
  private:
-  void factorize(const Graph& graph, Index size) {
-    std::vector<Eigen::Triplet<double>> entries;
-    Eigen::VectorXd residual;
-    std::vector<MatrixXd> jacobians;
-    for (const auto& [id, factor] : graph.factors()) {
-      linearize(graph, factor.data, residual, &jacobians);
-      const double weight = loss_weight(factor.loss, residual.squaredNorm());
-      const auto ids = blocks(factor.data);
-      for (std::size_t i = 0; i < ids.size(); ++i) {
-        for (std::size_t j = 0; j < ids.size(); ++j) {
-          if (ids[i] == gauge_ || ids[j] == gauge_ || begin_.at(ids[i]) < begin_.at(ids[j])) continue;
-          add_block(weight * jacobians[i].transpose() * jacobians[j], begin_.at(ids[i]), begin_.at(ids[j]), entries);
-        }
-      }
+  MatrixXd cross(const VariableId& a, const VariableId& b) {
+    const Index rows = tangent_size(a);
+    const Index columns = tangent_size(b);
+    if (a == gauge_ || b == gauge_) return MatrixXd::Zero(rows, columns);
+    const Index row = equations_.row_of(a);
+    const Index column = equations_.row_of(b);
+    if (!equations_.joined(a, b)) {
+      if (columns_.count(a) > 0) return columns_.at(a).middleRows(column, columns).transpose();
+      return columns_of(b).middleRows(row, rows);
     }
-    Eigen::SparseMatrix<double> H(size, size);
-    H.setFromTriplets(entries.begin(), entries.end());
-    solver_.compute(H);
-    const Eigen::VectorXd pivots = solver_.info() == Eigen::Success ? Eigen::VectorXd(solver_.vectorD()) : Eigen::VectorXd();
-    // A pivot that has lost all its digits stands for a direction that no factor holds.
-    ok_ = size == 0 || (pivots.size() == size && pivots.allFinite() && pivots.minCoeff() > 1e-14 * pivots.maxCoeff());
+    if (!selected_) selected_.emplace(solver_);
+    MatrixXd out(rows, columns);
+    for (Index c = 0; c < columns; ++c) {
+      for (Index r = 0; r < rows; ++r) out(r, c) = (*selected_)(row + r, column + c);
+    }
+    return out;
   }
 
-  static void add_block(const MatrixXd& block, Index row, Index column, std::vector<Eigen::Triplet<double>>& entries) {
-    for (Index c = 0; c < block.cols(); ++c) {
-      for (Index r = 0; r < block.rows(); ++r) {
-        if (row + r >= column + c) entries.emplace_back(static_cast<int>(row + r), static_cast<int>(column + c), block(r, c));
-      }
-    }
-  }
-
-  const MatrixXd& columns(const VariableId& id) {
+  // The variable's columns of the covariance, solved for once.
+  const MatrixXd& columns_of(const VariableId& id) {
     const auto found = columns_.find(id);
     if (found != columns_.end()) return found->second;
-    MatrixXd unit = MatrixXd::Zero(solver_.rows(), tangent_size(id));
-    unit.middleRows(begin_.at(id), tangent_size(id)).setIdentity();
+    MatrixXd unit = MatrixXd::Zero(equations_.size(), tangent_size(id));
+    unit.middleRows(equations_.row_of(id), tangent_size(id)).setIdentity();
     return columns_.emplace(id, solver_.solve(unit)).first->second;
   }
 
   VariableId gauge_ = KeyframeId{};
-  std::map<VariableId, Index> begin_;
+  NormalEquations equations_;
   Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> solver_;
+  std::optional<SelectedInverse> selected_;  // made when first asked for
   std::map<VariableId, MatrixXd> columns_;
   bool ok_ = false;
 };
@@ -122,19 +104,17 @@ double innovation_chi_square(const Graph& graph, const Marginals& marginals, con
   constexpr double infinity = std::numeric_limits<double>::infinity();
   const auto ids = blocks(factor);
   if (!std::all_of(ids.begin(), ids.end(), [&graph](const VariableId& id) { return graph.contains(id); })) return infinity;
-  const auto covariance = marginals.joint(ids);
+  const auto covariance = marginals.joint({ids.begin(), ids.end()});
   if (!covariance) return infinity;
-  Eigen::VectorXd residual;
-  std::vector<MatrixXd> by_block;
-  linearize(graph, factor, residual, &by_block);
-  MatrixXd jacobian(residual.size(), covariance->rows());
-  Index column = 0;
-  for (const MatrixXd& j : by_block) {
-    jacobian.middleCols(column, j.cols()) = j;
-    column += j.cols();
+  const Linearization linear = linearize(graph, factor);
+  MatrixXd jacobian(linear.residual.size(), covariance->rows());
+  for (std::size_t i = 0, column = 0; i < ids.size(); ++i) {
+    const SmallMatrix& j = linear.jacobians[i];
+    jacobian.middleCols(static_cast<Index>(column), j.cols()) = j;
+    column += static_cast<std::size_t>(j.cols());
   }
-  const MatrixXd S = MatrixXd::Identity(residual.size(), residual.size()) + jacobian * *covariance * jacobian.transpose();
-  return residual.dot(S.ldlt().solve(residual));
+  const MatrixXd S = MatrixXd::Identity(jacobian.rows(), jacobian.rows()) + jacobian * *covariance * jacobian.transpose();
+  return linear.residual.dot(S.ldlt().solve(linear.residual));
 }
 
 }  // namespace sgraph

@@ -1,10 +1,12 @@
 #include "sgraph_slam/core/graph/solver.hpp"
 
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <cmath>
 #include <limits>
 #include <map>
+#include <vector>
 
 #include <ceres/ceres.h>
 
@@ -25,7 +27,19 @@ struct Variable {
 class ScopedProblem {
  public:
   ScopedProblem(const Graph& graph, const SolveScope& scope) : graph_(graph), scope_(scope), problem_(options()) {
-    for (const auto& [id, factor] : graph.factors()) add(factor);
+    if (!scope.free) {
+      for (const auto& [id, factor] : graph.factors()) add(factor);
+      return;
+    }
+    std::vector<FactorId> ids;
+    for (const VariableId& id : *scope.free) {
+      if (!is_free(id)) continue;
+      const auto& of_variable = graph.factors_of(id);
+      ids.insert(ids.end(), of_variable.begin(), of_variable.end());
+    }
+    std::sort(ids.begin(), ids.end());
+    ids.erase(std::unique(ids.begin(), ids.end()), ids.end());
+    for (const FactorId id : ids) add(*graph.find(id));
   }
 
   ceres::Problem& problem() { return problem_; }
@@ -47,15 +61,15 @@ class ScopedProblem {
   }
 
   void add(const Factor& factor) {
-    const auto ids = blocks(factor.data);
+    const BlockIds ids = blocks(factor.data);
     if (std::none_of(ids.begin(), ids.end(), [this](const VariableId& id) { return is_free(id); })) return;
-    std::vector<double*> x;
-    for (const VariableId& id : ids) {
-      auto variable = variables_.find(id);
-      if (variable == variables_.end()) variable = add_block(id);
-      x.push_back(variable->second.block.data());
+    std::array<double*, 2> x{};
+    for (std::size_t i = 0; i < ids.size(); ++i) {
+      auto variable = variables_.find(ids[i]);
+      if (variable == variables_.end()) variable = add_block(ids[i]);
+      x[i] = variable->second.block.data();
     }
-    problem_.AddResidualBlock(make_cost(factor.data, graph_).release(), make_loss(factor.loss).release(), x);
+    problem_.AddResidualBlock(make_cost(factor.data, graph_).release(), make_loss(factor.loss).release(), x.data(), static_cast<int>(ids.size()));
   }
 
   std::map<VariableId, Variable>::iterator add_block(const VariableId& id) {
@@ -97,6 +111,7 @@ ceres::Solver::Options ceres_options(const SolverOptions& options) {
   out.parameter_tolerance = options.parameter_tolerance;
   out.num_threads = options.threads;
   out.logging_type = ceres::SILENT;
+  out.sparse_linear_algebra_library_type = ceres::EIGEN_SPARSE;  // SuiteSparse starts threads of its own, whose number reaches the rounding
   return out;
 }
 
@@ -155,9 +170,8 @@ SolveScope recent_window(const Graph& graph, int count) {
 }
 
 Eigen::VectorXd weighted_residual(const Graph& graph, const FactorData& factor) {
-  Eigen::VectorXd residual;
-  if (has_all(graph, factor)) linearize(graph, factor, residual, nullptr);
-  return residual;
+  if (!has_all(graph, factor)) return {};
+  return residual_of(graph, factor);
 }
 
 double chi_square(const Graph& graph, const FactorData& factor) {

@@ -246,6 +246,39 @@ TEST(Marginals, AChainAddsUpAsTheAdjointSays) {
   }
 }
 
+TEST(Marginals, EveryBlockIsThatOfTheDenseInverse) {
+  World world(17, 1.0, true, 2);
+  solve(world.graph, exact());
+  std::vector<VariableId> ids;
+  for (const auto& [id, pose] : world.graph.keyframes()) {
+    if (id.value > 0) ids.emplace_back(id);
+  }
+  for (const auto& [id, plane] : world.graph.planes()) ids.emplace_back(id);
+  ids.emplace_back(RoomId{0});
+  const Marginals marginals(world.graph);
+  const Eigen::MatrixXd all = *marginals.joint(ids);
+  EXPECT_LT((all - all.transpose()).norm(), 1e-9 * all.norm());
+  // Its inverse is the information: no entry between variables that no factor joins, and the room's own is that of its four factors.
+  const Eigen::MatrixXd information = all.inverse();
+  const double scale = information.cwiseAbs().maxCoeff();
+  EXPECT_LT(information.bottomLeftCorner(4, 6 * 15).cwiseAbs().maxCoeff(), 1e-6 * scale);
+  Eigen::Matrix4d of_room = Eigen::Matrix4d::Zero();
+  for (int side = 0; side < 4; ++side) {
+    Eigen::Vector4d j = Eigen::Vector4d::Zero();
+    j[side / 2] = side % 2 == 0 ? 1.0 : -1.0;
+    j[2 + side / 2] = -0.5;
+    of_room += j * j.transpose() / (0.01 * 0.01);
+  }
+  EXPECT_LT((information.bottomRightCorner(4, 4) - of_room).norm(), 0.01 * of_room.norm());
+  Eigen::Index row = 0;
+  for (const VariableId& id : ids) {
+    const int size = tangent_size(id);
+    const Eigen::MatrixXd alone = *Marginals(world.graph).covariance(id);
+    EXPECT_LT((alone - all.block(row, row, size, size)).norm(), 1e-8 * alone.norm()) << to_string(id);
+    row += size;
+  }
+}
+
 TEST(Marginals, ErrorsOfSolvesAreAsLargeAsTheySay) {
   std::map<VariableId, double> sum;
   double innovation = 0;

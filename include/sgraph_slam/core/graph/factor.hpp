@@ -1,8 +1,8 @@
 #pragma once
 
+#include <array>
 #include <string>
 #include <variant>
-#include <vector>
 
 #include "sgraph_slam/core/graph/factors/corridor_plane.hpp"
 #include "sgraph_slam/core/graph/factors/corridor_width.hpp"
@@ -29,8 +29,24 @@ struct Factor {
   RobustLoss loss;
 };
 
+/// One or two variables, held in place.
+class BlockIds {
+ public:
+  BlockIds(const VariableId& a) : ids_{a, {}}, size_(1) {}
+  BlockIds(const VariableId& a, const VariableId& b) : ids_{a, b}, size_(2) {}
+
+  [[nodiscard]] std::size_t size() const { return size_; }
+  const VariableId& operator[](std::size_t i) const { return ids_[i]; }
+  [[nodiscard]] const VariableId* begin() const { return ids_.data(); }
+  [[nodiscard]] const VariableId* end() const { return ids_.data() + size_; }
+
+ private:
+  std::array<VariableId, 2> ids_;
+  std::size_t size_;
+};
+
 /// Variables of the factor in the order of its cost's parameter blocks.
-std::vector<VariableId> blocks(const FactorData& data);
+BlockIds blocks(const FactorData& data);
 
 /// "se3_between", "loop", "pose_plane", "pose_plane_points", "plane_prior", "parallel_planes", "perpendicular_planes", "wall_thickness",
 /// "room_plane", "corridor_plane", "room_width", "corridor_width".

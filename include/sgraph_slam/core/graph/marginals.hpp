@@ -23,10 +23,11 @@ class Marginals {
   /// False when the factors don't determine all variables; nothing is known then.
   [[nodiscard]] bool ok() const;
 
-  /// Marginal covariance of one variable; nothing when it isn't in the graph.
+  /// Marginal covariance of one variable; nothing when it isn't in the graph. The first question computes all of them.
   [[nodiscard]] std::optional<Eigen::MatrixXd> covariance(const VariableId& id) const;
 
-  /// Joint covariance of several, in the given order. Costs a solve a degree of freedom the first time a variable is asked for, less afterwards.
+  /// Joint covariance of several, in the given order. Cheap for variables that factors join; for others it takes a solve a degree of freedom, kept
+  /// for later questions: ask with the one that all of them share first.
   [[nodiscard]] std::optional<Eigen::MatrixXd> joint(const std::vector<VariableId>& ids) const;
 
  private:

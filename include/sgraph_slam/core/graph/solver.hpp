@@ -10,7 +10,7 @@ namespace sgraph {
 
 struct SolverOptions {
   int max_iterations = 30;
-  double function_tolerance = 1e-6;   ///< stop when the cost falls by less than this share of itself
+  double function_tolerance = 1e-5;   ///< stop when the cost falls by less than this share of itself
   double parameter_tolerance = 1e-8;  ///< stop when the step is shorter than this share of the variables
   int threads = 1;                    ///< the result doesn't depend on it beyond rounding; 1 is reproducible to the bit
 };
