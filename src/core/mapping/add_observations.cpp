@@ -54,8 +54,16 @@ std::vector<PlaneCandidate> candidates_of(const MapState& state) {
 // A view with the plane that it is of, before it is in the graph.
 struct View {
   PlaneId plane;
-  const PlaneSegment* segment;
+  PlaneSegment segment;
 };
+
+// Where the LiDAR was when the scans of a keyframe were taken, in its frame at the keyframe's stamp.
+std::vector<Eigen::Vector3d> lidar_origins(const Keyframe& keyframe, const Pose& T_base_lidar) {
+  const Pose T_lidar_odom = (keyframe.T_odom_base * T_base_lidar).inverse();
+  std::vector<Eigen::Vector3d> origins;
+  for (const StampedPose& scan : keyframe.scans) origins.push_back((T_lidar_odom * scan.pose * T_base_lidar).translation);
+  return origins;
+}
 
 }  // namespace
 
@@ -110,19 +118,30 @@ AssociationResult add_observations(MapState& state, const PlaneSegments& segment
   Transaction edit;
   edit.reason = "planes of keyframe/" + std::to_string(now.value);
   std::vector<View> views;
+  const std::vector<Eigen::Vector3d> origins = lidar_origins(state.keyframes.rbegin()->second, state.T_base_lidar);
   const RobustLoss loss{loss_kind_from(state.params.factors.plane_loss), state.params.factors.plane_loss_scale};
   for (const PlaneSegment& segment : segments.segments) {
     if (!usable(segment)) {
       ++result.ignored;
       continue;
     }
-    const std::vector<Match> matches = associate(segment, T_map_base, state.T_base_lidar, candidates, predicted, params);
+    View view{{}, segment};
+    std::vector<Match> matches = associate(segment, T_map_base, state.T_base_lidar, candidates, predicted, params);
+    const bool unsure = side_is_unsure(segment, origins);
+    if (unsure) {
+      const PlaneSegment other = flipped(segment);
+      const std::vector<Match> from_behind = associate(other, T_map_base, state.T_base_lidar, candidates, predicted, params);
+      if (!from_behind.empty() && (matches.empty() || from_behind.front().cost < matches.front().cost)) {
+        matches = from_behind;
+        view.segment = other;
+      }
+    }
     PlaneId plane;
     if (!matches.empty()) {
       plane = matches.front().id;
       ++result.matched;
       result.returned |= state.drift.path(state.planes.find(plane)->last_seen, now) > returned_path;
-    } else if (outline_area(segment.extent) >= params.min_new_area) {
+    } else if (!unsure && outline_area(segment.extent) >= params.min_new_area) {
       plane = state.graph.new_plane_id();
       edit.planes[plane] = T_map_base * state.T_base_lidar * segment.plane;
       ++result.created;
@@ -130,13 +149,14 @@ AssociationResult add_observations(MapState& state, const PlaneSegments& segment
       ++result.ignored;
       continue;
     }
-    add_factor(edit, observation(state, now, plane, segment), loss);
-    views.push_back({plane, &segment});
+    view.plane = plane;
+    add_factor(edit, observation(state, now, plane, view.segment), loss);
+    views.push_back(std::move(view));
   }
   const Applied applied = commit(state, edit);
   if (!applied.ok()) return {};
   for (std::size_t i = 0; i < views.size(); ++i) {
-    const PlaneSegment& segment = *views[i].segment;
+    const PlaneSegment& segment = views[i].segment;
     const Eigen::Matrix3d covariance = floored_covariance(segment, state.params.factors.plane_floor_angle, state.params.factors.plane_floor_distance);
     state.planes.observe(state.graph, views[i].plane, now, applied.factors[i], segment.extent, state.T_base_lidar, segment.plane, covariance);
     state.planes.reclassify(state.graph, views[i].plane, state.frame);

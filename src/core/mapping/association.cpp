@@ -66,6 +66,23 @@ MatchVerdict gate(const PlaneSegment& segment, const Outline& segment_map, const
   return match->chi_square < params.chi_square ? MatchVerdict::accepted : MatchVerdict::chi_square;  // false for NaN
 }
 
+bool side_is_unsure(const PlaneSegment& segment, const std::vector<Eigen::Vector3d>& origins) {
+  constexpr double clear = 0.1;  // a surface isn't seen from nearer to its plane than this, without another one behind it in view too [m]
+  return std::any_of(origins.begin(), origins.end(), [&](const Eigen::Vector3d& origin) { return segment.plane.distance(origin) < clear; });
+}
+
+PlaneSegment flipped(const PlaneSegment& segment) {
+  PlaneSegment other = segment;
+  other.plane = {-segment.plane.normal, -segment.plane.d};
+  // The tangent basis turns with the normal, and d changes its sign.
+  Eigen::Matrix3d J = Eigen::Matrix3d::Zero();
+  J.topLeftCorner<2, 2>() = -tangent_basis(other.plane.normal).transpose() * tangent_basis(segment.plane.normal);
+  J(2, 2) = -1;
+  other.covariance = J * segment.covariance * J.transpose();
+  std::reverse(other.extent.begin(), other.extent.end());
+  return other;
+}
+
 std::vector<Match> associate(const PlaneSegment& segment, const Pose& T_map_base, const Pose& T_base_lidar,
                              const std::vector<PlaneCandidate>& candidates, const PredictedCovariance& predicted, const AssociationParams& params) {
   const Pose T_map_lidar = T_map_base * T_base_lidar;

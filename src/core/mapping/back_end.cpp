@@ -32,7 +32,7 @@ class BackEnd::Implementation {
     if (state_.params.solving.window > 0) solve_window();
     update_frame();
     if (state_.params.topological_layer) {
-      const std::vector<Wall> walls = state_.planes.walls();
+      const std::vector<Wall> walls = counted_walls();
       state_.layer.judge(state_.graph, walls, &seen.seen, keyframe.id, state_.log);
       visit(walls, keyframe.id);
       synchronise(state_);
@@ -94,13 +94,15 @@ class BackEnd::Implementation {
     shown.swap(pending_);
     merge_duplicates(state_, shown);
     if (!state_.params.topological_layer) return;
-    const std::vector<Wall> walls = state_.planes.walls();
+    const std::vector<Wall> walls = counted_walls();
     state_.layer.judge(state_.graph, walls, nullptr, state_.newest(), state_.log);
     revisit(walls);
     synchronise(state_);
     add_wall_faces(state_);
     find_openings();
   }
+
+  [[nodiscard]] std::vector<Wall> counted_walls() const { return state_.planes.walls(static_cast<std::size_t>(state_.params.topology.min_views)); }
 
   void update_frame() {
     if (!state_.params.semantics.dominant_frame) {
@@ -131,7 +133,7 @@ class BackEnd::Implementation {
   }
 
   void visit_all() {
-    const std::vector<Wall> walls = state_.planes.walls();
+    const std::vector<Wall> walls = counted_walls();
     for (const auto& [id, keyframe] : state_.keyframes) {
       if (!state_.layer.covers(ground(*state_.graph.find(id)))) visit(walls, id);
     }

@@ -141,6 +141,29 @@ TEST_F(TwoWalls, UncertaintyOpensTheGate) {
   EXPECT_EQ(match({{{0}, drifted, &here}}, 0.2).size(), 1U);
 }
 
+// A keyframe that went through a door has seen both sides of its wall.
+TEST_F(TwoWalls, SideIsUnsureWhenTheLidarWasOnBothSides) {
+  EXPECT_FALSE(side_is_unsure(segment, {}));
+  EXPECT_FALSE(side_is_unsure(segment, {{0, 0, 0}, {3, 1, 0}}));
+  EXPECT_TRUE(side_is_unsure(segment, {{0, 0, 0}, {5, 1, 0}}));
+}
+
+TEST_F(TwoWalls, AFlippedSegmentIsTheOtherFacesWithTheSameUncertainty) {
+  const PlaneSegment other = flipped(segment);
+  const Plane face{Eigen::Vector3d(1, 0, 0), -4};
+  const auto known = [](PlaneId, const Innovation&) -> Eigen::Matrix3d { return Eigen::Vector3d(1e-5, 1e-5, 1e-4).asDiagonal(); };
+  EXPECT_EQ(associate(other, {}, {}, {{{0}, face, &here}}, known, AssociationParams()).size(), 1U);
+  const PlaneSegment again = flipped(other);
+  EXPECT_NEAR((again.covariance - segment.covariance).norm(), 0, 1e-12 * segment.covariance.norm());
+  // The variance of the distance at the centroid is a property of the surface, whichever side it is seen from.
+  const auto at_centroid = [](const PlaneSegment& s) {
+    Eigen::Vector3d row;
+    row << tangent_basis(s.plane.normal).transpose() * s.centroid, 1;
+    return row.dot(s.covariance * row);
+  };
+  EXPECT_NEAR(at_centroid(other), at_centroid(segment), 1e-12);
+}
+
 // Sum of the steps' covariances against a thousand walks.
 TEST(OdometryDrift, AgreesWithSampling) {
   std::mt19937 random(5);

@@ -55,6 +55,13 @@ struct Match {
 MatchVerdict gate(const PlaneSegment& segment, const Outline& segment_map, const Pose& T_map_base, const Pose& T_base_lidar,
                   const PlaneCandidate& candidate, const PredictedCovariance& predicted, const AssociationParams& params, Match* match);
 
+/// Whether a keyframe's scans were taken from both sides of a segment's plane, or nearly in it: then the side that its normal tells is a guess.
+/// `origins`: where the LiDAR was, in the segment's frame.
+bool side_is_unsure(const PlaneSegment& segment, const std::vector<Eigen::Vector3d>& origins);
+
+/// The same surface, taken to be seen from its other side.
+PlaneSegment flipped(const PlaneSegment& segment);
+
 /// All candidates that pass, the likeliest first; equal ones by id (paper, Metric-Semantic Layer; design: Planes, data association).
 std::vector<Match> associate(const PlaneSegment& segment, const Pose& T_map_base, const Pose& T_base_lidar,
                              const std::vector<PlaneCandidate>& candidates, const PredictedCovariance& predicted, const AssociationParams& params);

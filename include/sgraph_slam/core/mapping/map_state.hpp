@@ -50,7 +50,7 @@ struct AssociationResult {
   std::set<PlaneId> seen;  ///< planes matched or made
   int matched = 0;
   int created = 0;
-  int ignored = 0;        ///< broken, or too small to make a plane
+  int ignored = 0;        ///< broken, too small to make a plane, or of an unsure side and unknown
   bool returned = false;  ///< a plane was seen again after a long way
 };
 
