@@ -44,8 +44,8 @@ std::vector<Segment2d> solid_parts(const Segment2d& line, const OccupancyGrid& g
   return parts;
 }
 
-std::vector<PlanWall> walls_of(const GraphSnapshot& snapshot, const OccupancyGrid& grid, bool obstacles_known) {
-  std::vector<PlanWall> walls;
+std::vector<DrawnWall> walls_of(const GraphSnapshot& snapshot, const OccupancyGrid& grid, bool obstacles_known) {
+  std::vector<DrawnWall> walls;
   for (const auto& [id, plane] : snapshot.planes) {
     if (std::abs(plane.plane.normal.z()) > 0.3 || plane.extent.empty()) continue;
     const Eigen::Vector2d normal = plane.plane.normal.head<2>().normalized();
@@ -59,7 +59,7 @@ std::vector<PlanWall> walls_of(const GraphSnapshot& snapshot, const OccupancyGri
       middle += corner.head<2>() / static_cast<double>(plane.extent.size());
     }
     const Eigen::Vector2d foot = normal * normal.dot(middle);
-    PlanWall wall;
+    DrawnWall wall;
     wall.line = {foot + along * span.min()[0], foot + along * span.max()[0]};
     wall.low = height.sizes()[0] < wall_height;
     if (span.sizes()[0] < sample_step) continue;
@@ -69,8 +69,8 @@ std::vector<PlanWall> walls_of(const GraphSnapshot& snapshot, const OccupancyGri
   return walls;
 }
 
-PlanPlace place(const std::string& name, const Eigen::Vector3d& center, const Eigen::Vector2d& size, double yaw) {
-  PlanPlace place;
+DrawnPlace place(const std::string& name, const Eigen::Vector3d& center, const Eigen::Vector2d& size, double yaw) {
+  DrawnPlace place;
   place.name = name;
   place.center = center.head<2>();
   place.size = size;

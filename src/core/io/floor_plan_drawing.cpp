@@ -28,8 +28,8 @@ class Layout {
  public:
   explicit Layout(const FloorPlan& plan) : to_page_(-plan.yaw) {
     Eigen::AlignedBox2d box;
-    for (const PlanWall& wall : plan.walls) box.extend(turned(wall.line.first)).extend(turned(wall.line.second));
-    for (const PlanPlace& place : plan.places) {
+    for (const DrawnWall& wall : plan.walls) box.extend(turned(wall.line.first)).extend(turned(wall.line.second));
+    for (const DrawnPlace& place : plan.places) {
       for (const auto& corner : place.outline) box.extend(turned(corner));
     }
     for (const auto& p : plan.path) box.extend(turned(p));
@@ -99,18 +99,18 @@ void draw_obstacles(Canvas& canvas, const Layout& layout, const FloorPlan& plan)
 
 void draw_walls(Canvas& canvas, const Layout& layout, const FloorPlan& plan) {
   const double width = std::clamp(0.07 * layout.scale(), 2.5, 6.0);
-  for (const PlanWall& wall : plan.walls) {
+  for (const DrawnWall& wall : plan.walls) {
     if (!wall.low) canvas.dashed(layout(wall.line.first), layout(wall.line.second), hidden_ink, 1.2);
   }
   for (const bool low : {true, false}) {
-    for (const PlanWall& wall : plan.walls) {
+    for (const DrawnWall& wall : plan.walls) {
       if (wall.low != low) continue;
       for (const auto& [from, to] : wall.solid) canvas.line({layout(from), layout(to)}, low ? furniture_ink : ink, low ? 0.5 * width : width);
     }
   }
 }
 
-void draw_label(Canvas& canvas, const Layout& layout, const PlanPlace& place) {
+void draw_label(Canvas& canvas, const Layout& layout, const DrawnPlace& place) {
   Eigen::AlignedBox2d box;
   for (const auto& corner : place.outline) box.extend(layout(corner));
   const std::string size = metres(place.size.x()) + " x " + metres(place.size.y()) + " m";
@@ -164,7 +164,7 @@ void draw_axes(Canvas& canvas, const Layout& layout) {
 }
 
 void draw_title(Canvas& canvas, const Layout& layout, const FloorPlan& plan) {
-  const auto corridors = std::count_if(plan.places.begin(), plan.places.end(), [](const PlanPlace& place) { return place.corridor; });
+  const auto corridors = std::count_if(plan.places.begin(), plan.places.end(), [](const DrawnPlace& place) { return place.corridor; });
   const auto rooms = static_cast<std::ptrdiff_t>(plan.places.size()) - corridors;
   double length = 0;
   for (std::size_t i = 1; i < plan.path.size(); ++i) length += (plan.path[i] - plan.path[i - 1]).norm();
@@ -184,7 +184,7 @@ std::string draw(const FloorPlan& plan, std::unique_ptr<Canvas> (*make)(int, int
   const Layout layout(plan);
   const auto canvas = make(layout.width(), layout.height());
   std::size_t room = 0;
-  for (const PlanPlace& place : plan.places) {
+  for (const DrawnPlace& place : plan.places) {
     Canvas::Points outline;
     for (const auto& corner : place.outline) outline.push_back(layout(corner));
     canvas->fill(outline, place.corridor ? corridor_fill : room_fills[room++ % std::size(room_fills)]);
@@ -192,7 +192,7 @@ std::string draw(const FloorPlan& plan, std::unique_ptr<Canvas> (*make)(int, int
   draw_obstacles(*canvas, layout, plan);
   draw_walls(*canvas, layout, plan);
   draw_path(*canvas, layout, plan);
-  for (const PlanPlace& place : plan.places) draw_label(*canvas, layout, place);
+  for (const DrawnPlace& place : plan.places) draw_label(*canvas, layout, place);
   draw_title(*canvas, layout, plan);
   draw_scale_bar(*canvas, layout);
   draw_axes(*canvas, layout);

@@ -159,7 +159,7 @@ TEST(FloorPlan, FurnitureIsLowAndWithoutCloudsWallsAreWhole) {
   const FloorPlan plan = make_floor_plan(room.snapshot, grid_of(room), {});
   ASSERT_EQ(plan.walls.size(), 5U);
   EXPECT_TRUE(plan.walls[4].low);
-  for (const PlanWall& wall : plan.walls) {
+  for (const DrawnWall& wall : plan.walls) {
     ASSERT_EQ(wall.solid.size(), 1U);
     EXPECT_EQ(wall.solid[0], wall.line);
   }

@@ -14,14 +14,14 @@ namespace sgraph {
 using Segment2d = std::pair<Eigen::Vector2d, Eigen::Vector2d>;
 
 /// One vertical plane seen from above.
-struct PlanWall {
+struct DrawnWall {
   Segment2d line;                ///< its whole extent
   std::vector<Segment2d> solid;  ///< where there is an obstacle in the grid's band; between these are doors and what furniture hides
   bool low = false;              ///< not as high as a wall: furniture
 };
 
 /// A room or a corridor.
-struct PlanPlace {
+struct DrawnPlace {
   std::string name;  ///< "Room 3"
   Eigen::Vector2d center;
   Eigen::Vector2d size;                  ///< along its own x and y [m]; a corridor's: length, width
@@ -32,8 +32,8 @@ struct PlanPlace {
 /// A building seen from above, in the map frame.
 struct FloorPlan {
   double yaw = 0;  ///< of the walls: the drawing is turned by as much, at most 45 degrees, so that they lie along the page
-  std::vector<PlanWall> walls;
-  std::vector<PlanPlace> places;
+  std::vector<DrawnWall> walls;
+  std::vector<DrawnPlace> places;
   std::vector<Eigen::Vector2d> path;
   std::vector<Segment2d> obstacles;  ///< occupied cells, joined in rows: first and last cell's centre
   double cell = 0.05;                ///< edge of the cells of `obstacles` [m]
