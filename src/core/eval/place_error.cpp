@@ -48,7 +48,7 @@ std::vector<Candidate> room_candidate(const Found& f, const PlanPlace& t) {
 }
 
 std::vector<Candidate> corridor_candidate(const Found& f, PlanPlace t) {
-  if (t.width.x() < t.width.y()) t = {t.name, t.center, {t.width.y(), t.width.x()}, t.yaw + M_PI_2, t.z};
+  if (t.width.x() < t.width.y()) t = {t.name, t.center, {t.width.y(), t.width.x()}, t.yaw + M_PI_2, t.z, t.entered};
   const double angle = std::abs(turn(t.yaw, f.yaw, M_PI));
   const double share = area(clip(rectangle(f.center, f.width, f.yaw), rectangle(t.center, t.width, t.yaw))) / (f.width.x() * f.width.y());
   const double width_error = std::abs(f.width.y() - t.width.y());
@@ -73,7 +73,7 @@ PlaceScore score(const std::vector<Found>& found, const std::vector<PlanPlace>& 
   std::stable_sort(candidates.begin(), candidates.end(), [](const Candidate& a, const Candidate& b) { return a.rank > b.rank; });
 
   PlaceScore result;
-  result.truths = static_cast<int>(truth.size());
+  result.truths = static_cast<int>(std::count_if(truth.begin(), truth.end(), [](const PlanPlace& t) { return t.entered; }));
   result.estimates = static_cast<int>(found.size());
   std::set<std::size_t> used_found;
   std::set<std::size_t> used_truth;
@@ -81,10 +81,14 @@ PlaceScore score(const std::vector<Found>& found, const std::vector<PlanPlace>& 
     if (used_found.count(c.found) || used_truth.count(c.truth)) continue;
     used_found.insert(c.found);
     used_truth.insert(c.truth);
-    result.matches.push_back(c.match);
+    if (truth[c.truth].entered) {
+      result.matches.push_back(c.match);
+    } else {
+      --result.estimates;  // it counts nowhere
+    }
   }
   for (std::size_t t = 0; t < truth.size(); ++t) {
-    if (!used_truth.count(t)) result.missed.push_back(truth[t].name);
+    if (truth[t].entered && !used_truth.count(t)) result.missed.push_back(truth[t].name);
   }
   for (std::size_t f = 0; f < found.size(); ++f) {
     if (used_found.count(f)) continue;

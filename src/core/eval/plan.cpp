@@ -62,6 +62,11 @@ PlanPlace place_from(const json& j) {
   return place;
 }
 
+PlanPlace not_entered(PlanPlace place) {
+  place.entered = false;
+  return place;
+}
+
 PlanLevel level_from(const json& j) {
   PlanLevel level;
   level.floor = j.value("elevation", 0.0);
@@ -96,6 +101,8 @@ Plan plan_from(const json& j) {
   for (const json& b : j.value("furniture", json::array())) plan.blocks.push_back(block_from(b, true));
   for (const json& r : j.value("rooms", json::array())) plan.rooms.push_back(place_from(r));
   for (const json& c : j.value("corridors", json::array())) plan.corridors.push_back(place_from(c));
+  for (const json& r : j.value("other_rooms", json::array())) plan.rooms.push_back(not_entered(place_from(r)));
+  for (const json& c : j.value("other_corridors", json::array())) plan.corridors.push_back(not_entered(place_from(c)));
   for (const json& s : j.value("storeys", json::array())) plan.levels.push_back(level_from(s));
   if (plan.levels.empty()) plan.levels = levels_under(plan.walls);
   return plan;

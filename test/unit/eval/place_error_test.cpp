@@ -74,6 +74,17 @@ TEST(RoomScore, CountsMissedInventedAndDoubled) {
   EXPECT_DOUBLE_EQ(score.recall(), 2.0 / 3);
 }
 
+TEST(RoomScore, PlacesThatTheRobotDoesNotEnterCountNowhere) {
+  const std::vector<PlanPlace> truth{{"A", {0, 0}, {4, 4}, 0, 0}, {"seen", {5, 0}, {4, 4}, 0, 0, false}, {"unseen", {10, 0}, {4, 4}, 0, 0, false}};
+  const PlaceScore score = score_rooms({room(0, {0, 0}, {4, 4}, 0), room(1, {5, 0}, {4, 4}, 0)}, T_truth_map, truth);
+  EXPECT_EQ(score.truths, 1);
+  EXPECT_EQ(score.estimates, 1);
+  EXPECT_EQ(score.matches.size(), 1u);
+  EXPECT_TRUE(score.missed.empty());
+  EXPECT_TRUE(score.false_alarms.empty());
+  EXPECT_DOUBLE_EQ(score_rooms({room(0, {5, 0}, {4, 4}, 0)}, T_truth_map, truth).recall(), 0);
+}
+
 TEST(RoomScore, HalfOfTheCommonAreaIsTheLimit) {
   const std::vector<PlanPlace> truth{{"A", {0, 0}, {6, 1}, 0, 0}};
   // Shifted by s: intersection 6 - s over union 6 + s is one half at s = 2.

@@ -37,7 +37,7 @@ struct PlaceScore {
 };
 
 /// Rooms found against the true ones, both moved into the frame of the truth. A pair matches when its intersection over union is at least one half;
-/// the best pairs are taken first.
+/// the best pairs are taken first. True places that the robot does not enter, and finds of them, count nowhere.
 PlaceScore score_rooms(const std::vector<SceneRoom>& found, const Pose& T_truth_map, const std::vector<PlanPlace>& truth);
 
 /// Corridors likewise. A pair matches when the directions agree within 15 degrees, at least half of the found one's area lies in the true one, and

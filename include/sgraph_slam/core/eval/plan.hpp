@@ -59,6 +59,7 @@ struct PlanPlace {
   Eigen::Vector2d width = Eigen::Vector2d::Zero();  ///< along its own x and y [m]
   double yaw = 0;                                   ///< of its own x axis [rad]
   double z = 0;                                     ///< floor [m]
+  bool entered = true;                              ///< false: the robot at most looked in; to find it is neither asked for nor wrong
 };
 
 /// The building as it is, in the frame of the ground truth.
@@ -72,7 +73,8 @@ struct Plan {
 };
 
 /// Reads truth.json: "walls" [{"p", "q", "t", "z", optional "height", "extend_p", "extend_q", "glass", "openings" [{"begin", "end", "bottom", "top",
-/// "pane"}]}]; "rooms" and "corridors" [{"id", "center", "width" and "yaw" or "polygon", whose first edge gives it}]; optional "columns" and
+/// "pane"}]}]; "rooms" and "corridors", and "other_rooms" and "other_corridors" that
+/// the robot does not enter [{"id", "center", "width" and "yaw" or "polygon", whose first edge gives it}]; optional "columns" and
 /// "furniture" [{"center", "size", "yaw", "round"}] and "storeys" [{"elevation", "height", "floor", "ceiling", "outline"}]. Without storeys there is
 /// one floor a z of the walls, under all of them, and the ceiling counts as unknown. Throws std::runtime_error with file and key.
 Plan read_plan(const std::string& path);
