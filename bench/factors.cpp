@@ -34,25 +34,10 @@ std::vector<std::array<double, 7>> values_of(const test::FactorCase& c) {
   return out;
 }
 
-CostPtr cost_of(const test::FactorCase& c) {
-  return std::visit(
-      [&](const auto& data) {
-        using Type = std::decay_t<decltype(data)>;
-        if constexpr (std::is_same_v<Type, RoomPlane>) {
-          return make_cost(data, *c.graph.find(data.room));
-        } else if constexpr (std::is_same_v<Type, CorridorPlane>) {
-          return make_cost(data, *c.graph.find(data.corridor));
-        } else {
-          return make_cost(data);
-        }
-      },
-      c.factor.data);
-}
-
 void evaluate(benchmark::State& state, int kind, bool with_jacobians) {
   test::Draw draw(1);
   const test::FactorCase c = test::random_case(draw, kind);
-  const CostPtr cost = cost_of(c);
+  const CostPtr cost = test::cost_of(c);
   const auto values = values_of(c);
   std::vector<const double*> x;
   std::vector<std::array<double, 42>> storage(values.size());

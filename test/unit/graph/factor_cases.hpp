@@ -1,5 +1,7 @@
 #pragma once
 
+#include <ceres/cost_function.h>
+
 #include "random_graph.hpp"
 
 namespace sgraph::test {
@@ -51,6 +53,21 @@ inline FactorCase random_case(Draw& draw, int kind) {
   out.graph.apply(t);
   out.factor.data = random_factor(draw, kind, out.graph);
   return out;
+}
+
+inline CostPtr cost_of(const FactorCase& c) {
+  return std::visit(
+      [&](const auto& data) {
+        using Type = std::decay_t<decltype(data)>;
+        if constexpr (std::is_same_v<Type, RoomPlane>) {
+          return make_cost(data, *c.graph.find(data.room));
+        } else if constexpr (std::is_same_v<Type, CorridorPlane>) {
+          return make_cost(data, *c.graph.find(data.corridor));
+        } else {
+          return make_cost(data);
+        }
+      },
+      c.factor.data);
 }
 
 }  // namespace sgraph::test

@@ -16,21 +16,6 @@ namespace {
 constexpr int points_each = 300;
 constexpr double tolerance = 1e-6;  // of Jacobians, relative; Ceres' own sphere is good to 1e-9 beside its pole, times weights of some hundreds
 
-CostPtr cost_of(const FactorCase& c) {
-  return std::visit(
-      [&](const auto& data) {
-        using Type = std::decay_t<decltype(data)>;
-        if constexpr (std::is_same_v<Type, RoomPlane>) {
-          return make_cost(data, *c.graph.find(data.room));
-        } else if constexpr (std::is_same_v<Type, CorridorPlane>) {
-          return make_cost(data, *c.graph.find(data.corridor));
-        } else {
-          return make_cost(data);
-        }
-      },
-      c.factor.data);
-}
-
 // The variables of a case as Ceres takes them.
 struct Parameters {
   explicit Parameters(const FactorCase& c) {
