@@ -111,16 +111,23 @@ TEST_P(EmptyRoom, GivesItsSixSides) {
     const PlaneSegments result = PlaneSegmenter({}).process(scan.cloud, scan.viewpoints, &labels);
     EXPECT_EQ(result.stamp, scan.cloud.stamp);
     expect_consistent(result, labels, scan.cloud);
-    EXPECT_EQ(result.segments.size(), 6U) << "noise " << noise << " seed " << seed;
+    std::size_t all = 0;
     for (const Plane& face : room_faces()) {
       const auto found = segments_of(result, face, pose);
-      ASSERT_EQ(found.size(), 1U) << "noise " << noise << " seed " << seed << " face " << face.normal.transpose();
+      all += found.size();
+      // A VLP-16 may see floor and ceiling in far corners only: pieces too far apart to be one.
+      const bool wall = face.normal.z() == 0;
+      EXPECT_TRUE(found.size() == 1 || (!wall && found.size() > 1)) << "noise " << noise << " seed " << seed << " face " << face.normal.transpose();
       const Plane expected = pose.inverse() * face;
-      EXPECT_GT(found[0].plane.d, 0);
-      EXPECT_LT(degrees_between(found[0].plane.normal, expected.normal), 0.05 + 7 * noise);
-      EXPECT_LT(std::abs(expected.distance(found[0].centroid)), 0.001 + 0.15 * noise);
-      EXPECT_LT(found[0].sigma, 1.3 * noise + 0.001);
+      for (const PlaneSegment& s : found) {
+        EXPECT_GT(s.plane.d, 0);
+        const double deviation = std::sqrt(s.covariance.topLeftCorner<2, 2>().trace()) * 180 / M_PI;
+        EXPECT_LT(degrees_between(s.plane.normal, expected.normal), wall ? 0.05 + 7 * noise : 0.05 + 5 * deviation);
+        EXPECT_LT(std::abs(expected.distance(s.centroid)), 0.001 + 0.15 * noise);
+        EXPECT_LT(s.sigma, 1.3 * noise + 0.001);
+      }
     }
+    EXPECT_EQ(result.segments.size(), all) << "nothing else, noise " << noise << " seed " << seed;
     const auto labelled = std::count_if(labels.begin(), labels.end(), [](int l) { return l >= 0; });
     EXPECT_GT(static_cast<double>(labelled), 0.95 * static_cast<double>(labels.size()));
   }
