@@ -26,15 +26,15 @@ void keyframe(benchmark::State& state) {
   for (int k = 0; k < state.range(0); ++k) {
     poses.push_back({so3_exp(Eigen::Vector3d(0.01 * std::sin(k), 0.012 * std::cos(k), 0.02 * k)), {1.0 + 0.075 * k, 0.2, 0.9}});
   }
-  const test::KeyframeScan scan = test::keyframe_scan(rooms(), poses, 0.02, 1);
+  const Cloud scan = test::keyframe_scan(rooms(), poses, 0.02, 1);
   const PlaneSegmenter segmenter({});
   std::size_t planes = 0;
   for (auto _ : state) {
-    const PlaneSegments result = segmenter.process(scan.cloud, scan.viewpoints);
+    const PlaneSegments result = segmenter.process(scan);
     planes = result.segments.size();
     benchmark::DoNotOptimize(planes);
   }
-  state.counters["points"] = static_cast<double>(scan.cloud.size());
+  state.counters["points"] = static_cast<double>(scan.size());
   state.counters["planes"] = static_cast<double>(planes);
 }
 BENCHMARK(keyframe)->Arg(1)->Arg(10)->Unit(benchmark::kMillisecond);

@@ -58,9 +58,9 @@ Cloud static_scan(const sim::Scene& scene, const Pose& T_world_lidar, double noi
   return cloud;
 }
 
-KeyframeScan keyframe_scan(const sim::Scene& scene, const std::vector<Pose>& T_world_lidar, double noise, std::uint64_t seed) {
-  KeyframeScan result;
-  result.cloud.stamp = Stamp::from_seconds(100);
+Cloud keyframe_scan(const sim::Scene& scene, const std::vector<Pose>& T_world_lidar, double noise, std::uint64_t seed) {
+  Cloud result;
+  result.stamp = Stamp::from_seconds(100);
   VoxelSet taken(0.05, 29000 * T_world_lidar.size());
   for (std::size_t k = 0; k < T_world_lidar.size(); ++k) {
     const double time = -0.1 * static_cast<double>(T_world_lidar.size() - 1 - k);
@@ -72,7 +72,7 @@ KeyframeScan keyframe_scan(const sim::Scene& scene, const std::vector<Pose>& T_w
       point.x = p.x();
       point.y = p.y();
       point.z = p.z();
-      result.cloud.points.push_back(point);
+      result.points.push_back(point);
     }
   }
   return result;

@@ -3,7 +3,6 @@
 #include <cstdint>
 #include <vector>
 
-#include "sgraph_slam/core/segmentation/plane_segmenter.hpp"
 #include "sgraph_slam/core/sim/scene.hpp"
 #include "sgraph_slam/core/types/cloud.hpp"
 #include "sgraph_slam/core/types/pose.hpp"
@@ -19,11 +18,8 @@ std::vector<sim::Surface> box(const Eigen::Vector3d& low, const Eigen::Vector3d&
 /// A scan of a VLP-16 standing still, in its own frame, in order of firing, with Gaussian range noise and all times `time`.
 Cloud static_scan(const sim::Scene& scene, const Pose& T_world_lidar, double noise, std::uint64_t seed, double time = 0);
 
-/// A keyframe's cloud of such scans, 0.1 s apart: in the frame of the last pose, one point a 5 cm voxel; and where each scan was taken from.
-struct KeyframeScan {
-  Cloud cloud;
-  std::vector<Viewpoint> viewpoints;
-};
-KeyframeScan keyframe_scan(const sim::Scene& scene, const std::vector<Pose>& T_world_lidar, double noise, std::uint64_t seed);
+/// A keyframe's cloud of such scans, 0.1 s apart: in the frame of the last pose, one point a 5 cm voxel; its viewpoints are
+/// the poses' positions.
+Cloud keyframe_scan(const sim::Scene& scene, const std::vector<Pose>& T_world_lidar, double noise, std::uint64_t seed);
 
 }  // namespace sgraph::test

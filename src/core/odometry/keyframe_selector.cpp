@@ -4,7 +4,7 @@
 
 #include "sgraph_slam/core/math/se3.hpp"
 #include "sgraph_slam/core/math/so3.hpp"
-#include "sgraph_slam/core/registration/voxel_index.hpp"
+#include "sgraph_slam/core/util/voxel_set.hpp"
 
 namespace sgraph {
 namespace {
@@ -62,23 +62,25 @@ CloudPtr KeyframeSelector::merged_cloud(const FinalScan& last) const {
   auto merged = std::make_shared<Cloud>();
   merged->stamp = last.stamp;
   merged->frame = last.cloud->frame;
-  VoxelIndex seen(params_.leaf > 0 ? params_.leaf : 1.0);
+  const bool thin = params_.leaf > 0;
+  std::size_t count = 0;
+  for (const FinalScan& scan : scans_) count += scan.cloud->size();
+  VoxelSet taken(thin ? params_.leaf : 1.0, thin ? count : 0);
   const Pose T_lidar_odom = (last.T_odom_base * T_base_lidar_).inverse();
   // The newest scan first: its points are exact, and where two share a voxel the one nearer in time is kept.
   for (auto scan = scans_.rbegin(); scan != scans_.rend(); ++scan) {
     const Pose motion = T_lidar_odom * (scan->T_odom_base * T_base_lidar_);
     const Eigen::Matrix3f rotation = motion.matrix().cast<float>();
     const Eigen::Vector3f translation = motion.translation.cast<float>();
+    const auto time = static_cast<float>(scan->stamp - last.stamp);
+    merged->viewpoints.insert(merged->viewpoints.begin(), {scan->stamp - last.stamp, motion.translation});
     for (Point point : scan->cloud->points) {
       const Eigen::Vector3f p = rotation * point.position() + translation;
-      if (params_.leaf > 0) {
-        const std::size_t before = seen.size();
-        seen.find_or_add(seen.key(p.cast<double>()));
-        if (seen.size() == before) continue;
-      }
+      if (thin && !taken.insert(p.x(), p.y(), p.z())) continue;
       point.x = p.x();
       point.y = p.y();
       point.z = p.z();
+      point.time += time;
       merged->points.push_back(point);
     }
   }

@@ -39,28 +39,16 @@ PlaneSegment segment_of(const PointSet& points, const Surface& surface) {
 
 }  // namespace
 
-std::vector<Viewpoint> viewpoints(const Keyframe& keyframe, const Pose& T_base_lidar) {
-  const Pose T_lidar_odom = (keyframe.T_odom_base * T_base_lidar).inverse();
-  std::vector<Viewpoint> result;
-  for (const StampedPose& scan : keyframe.scans) {
-    const Pose T_keyframe_lidar = T_lidar_odom * scan.pose * T_base_lidar;
-    result.push_back({scan.stamp - keyframe.stamp, T_keyframe_lidar.translation});
-  }
-  return result;
-}
-
 PlaneSegmenter::PlaneSegmenter(const SegmentationParams& params) : params_(params) {
   if (params.min_threshold > params.max_threshold)
     throw std::runtime_error("segmentation.min_threshold must not be above segmentation.max_threshold");
   if (params.gap > params.max_gap) throw std::runtime_error("segmentation.gap must not be above segmentation.max_gap");
 }
 
-PlaneSegments PlaneSegmenter::process(const Cloud& cloud, std::vector<int>* labels) const { return process(cloud, {}, labels); }
-
-PlaneSegments PlaneSegmenter::process(const Cloud& cloud, const std::vector<Viewpoint>& given, std::vector<int>* labels) const {
+PlaneSegments PlaneSegmenter::process(const Cloud& cloud, std::vector<int>* labels) const {
   PlaneSegments result;
   result.stamp = cloud.stamp;
-  const std::vector<Viewpoint> viewpoints = usable(given);
+  const std::vector<Viewpoint> viewpoints = usable(cloud.viewpoints);
   const PointSet points = point_set(cloud, viewpoints);
   std::vector<Eigen::Vector3f> positions;
   for (const Viewpoint& viewpoint : viewpoints) positions.emplace_back(viewpoint.position.cast<float>());

@@ -16,7 +16,6 @@ namespace {
 
 using test::box;
 using test::keyframe_scan;
-using test::KeyframeScan;
 using test::rectangle;
 using test::static_scan;
 using Surfaces = std::vector<sim::Surface>;
@@ -106,11 +105,11 @@ TEST_P(EmptyRoom, GivesItsSixSides) {
   for (std::uint64_t seed = 0; seed < 6; ++seed) {
     const Eigen::Vector3d position(3 * (random.next_uniform() - 0.5), 2 * (random.next_uniform() - 0.5), 1.0 + 0.2 * random.next_uniform());
     const Pose pose = pose_at_yaw(position, 6.28 * random.next_uniform(), 0.03 * random.next_normal(), 0.03 * random.next_normal());
-    const KeyframeScan scan = keyframe_scan(scene, walk(pose), noise, seed);
+    const Cloud scan = keyframe_scan(scene, walk(pose), noise, seed);
     std::vector<int> labels;
-    const PlaneSegments result = PlaneSegmenter({}).process(scan.cloud, scan.viewpoints, &labels);
-    EXPECT_EQ(result.stamp, scan.cloud.stamp);
-    expect_consistent(result, labels, scan.cloud);
+    const PlaneSegments result = PlaneSegmenter({}).process(scan, &labels);
+    EXPECT_EQ(result.stamp, scan.stamp);
+    expect_consistent(result, labels, scan);
     std::size_t all = 0;
     for (const Plane& face : room_faces()) {
       const auto found = segments_of(result, face, pose);
@@ -179,8 +178,8 @@ TEST(PlaneSegmenter, FurnitureDoesNotBendWalls) {
   const sim::Scene scene(surfaces);
   for (std::uint64_t seed = 0; seed < 6; ++seed) {
     const Pose pose = pose_at_yaw({0.5, -0.3, 1.2}, 1.0 * static_cast<double>(seed));
-    const KeyframeScan scan = keyframe_scan(scene, walk(pose), 0.02, seed);
-    const PlaneSegments result = PlaneSegmenter({}).process(scan.cloud, scan.viewpoints);
+    const Cloud scan = keyframe_scan(scene, walk(pose), 0.02, seed);
+    const PlaneSegments result = PlaneSegmenter({}).process(scan);
     for (const Plane& face : room_faces()) {
       const auto found = segments_of(result, face, pose);
       ASSERT_GE(found.size(), 1U);
@@ -204,8 +203,8 @@ TEST(PlaneSegmenter, KeepsTheFacesOfAWallApart) {
       std::vector<Pose> poses;
       for (int k = 0; k < 12; ++k)
         poses.push_back(pose_at_yaw({end - 0.08 * (11 - k), 0.02 * k, 0.9}, 0.01 * k, 0.01 * std::sin(k), 0.012 * std::cos(k)));
-      const KeyframeScan scan = keyframe_scan(scene, poses, 0.02, 5);
-      const PlaneSegments result = PlaneSegmenter({}).process(scan.cloud, scan.viewpoints);
+      const Cloud scan = keyframe_scan(scene, poses, 0.02, 5);
+      const PlaneSegments result = PlaneSegmenter({}).process(scan);
       const auto near = segments_of(result, {X, 0}, poses.back());
       const auto far = segments_of(result, {-X, -thickness}, poses.back());
       ASSERT_EQ(near.size(), 1U) << "one segment on both sides of the door, thickness " << thickness << " end " << end;
@@ -224,8 +223,8 @@ TEST(PlaneSegmenter, JoinsAWallAcrossADoorButNotAcrossAHall) {
                       rectangle({-6, -8, 0}, 20 * X, 16 * Y)};
     const sim::Scene scene(surfaces);
     const Pose pose = pose_at_yaw({0, 0.2, 1}, 0.2);
-    const KeyframeScan scan = keyframe_scan(scene, walk(pose), 0.02, 3);
-    EXPECT_EQ(segments_of(PlaneSegmenter({}).process(scan.cloud, scan.viewpoints), {-X, 3}, pose).size(), static_cast<std::size_t>(expected)) << gap;
+    const Cloud scan = keyframe_scan(scene, walk(pose), 0.02, 3);
+    EXPECT_EQ(segments_of(PlaneSegmenter({}).process(scan), {-X, 3}, pose).size(), static_cast<std::size_t>(expected)) << gap;
   }
 }
 
@@ -233,8 +232,8 @@ TEST(PlaneSegmenter, DoesNotJoinWallsThatAreOffset) {
   const double offset = 0.05;  // under the threshold of the inliers, over what the noise allows
   const sim::Scene scene({rectangle({3, 0.5, 0}, 4 * Y, 2.8 * Z), rectangle({3 + offset, -0.5, 0}, -4 * Y, 2.8 * Z)});
   const Pose pose = pose_at_yaw({0, 0.2, 1}, 0.2);
-  const KeyframeScan scan = keyframe_scan(scene, walk(pose), 0.02, 4);
-  const PlaneSegments result = PlaneSegmenter({}).process(scan.cloud, scan.viewpoints);
+  const Cloud scan = keyframe_scan(scene, walk(pose), 0.02, 4);
+  const PlaneSegments result = PlaneSegmenter({}).process(scan);
   ASSERT_EQ(result.segments.size(), 2U);
   for (const double x : {3.0, 3.0 + offset}) {
     const Plane expected = pose.inverse() * Plane{-X, x};
@@ -250,9 +249,9 @@ TEST(PlaneSegmenter, LaysNoPlaneThroughUnrelatedFarWalls) {
   for (int i = 0; i < 6; ++i) add(surfaces, box({-6.0 + 2.4 * i, 3, 0}, {-5.9 + 2.4 * i, 3.15, 3}));
   const sim::Scene scene(surfaces);
   const Pose pose = pose_at_yaw({0, 0, 1}, 0.1);
-  const KeyframeScan scan = keyframe_scan(scene, walk(pose), 0.02, 6);
-  ASSERT_GT(scan.cloud.size(), 500U);
-  EXPECT_TRUE(PlaneSegmenter({}).process(scan.cloud, scan.viewpoints).segments.empty());
+  const Cloud scan = keyframe_scan(scene, walk(pose), 0.02, 6);
+  ASSERT_GT(scan.size(), 500U);
+  EXPECT_TRUE(PlaneSegmenter({}).process(scan).segments.empty());
 }
 
 TEST(PlaneSegmenter, FindsNothingInClutter) {
@@ -270,10 +269,10 @@ TEST(PlaneSegmenter, FindsNothingInClutter) {
 
 TEST(PlaneSegmenter, SameCloudSameResult) {
   const sim::Scene scene(box(room_low, room_high));
-  const KeyframeScan scan = keyframe_scan(scene, walk(pose_at_yaw({1, 1, 1}, 0.5)), 0.02, 1);
+  const Cloud scan = keyframe_scan(scene, walk(pose_at_yaw({1, 1, 1}, 0.5)), 0.02, 1);
   std::vector<int> labels_a, labels_b;
-  const PlaneSegments a = PlaneSegmenter({}).process(scan.cloud, scan.viewpoints, &labels_a);
-  const PlaneSegments b = PlaneSegmenter({}).process(scan.cloud, scan.viewpoints, &labels_b);
+  const PlaneSegments a = PlaneSegmenter({}).process(scan, &labels_a);
+  const PlaneSegments b = PlaneSegmenter({}).process(scan, &labels_b);
   EXPECT_EQ(labels_a, labels_b);
   ASSERT_EQ(a.segments.size(), b.segments.size());
   for (std::size_t i = 0; i < a.segments.size(); ++i) {
@@ -324,19 +323,6 @@ TEST(PlaneSegmenter, RefusesParametersThatContradictEachOther) {
   params = {};
   params.gap = 2;
   EXPECT_THROW(PlaneSegmenter{params}, std::runtime_error);
-}
-
-TEST(Viewpoints, AreTheLidarsPositionsSeenFromTheKeyframe) {
-  Keyframe keyframe;
-  keyframe.stamp = Stamp::from_seconds(10);
-  keyframe.T_odom_base = pose_at_yaw({1, 2, 0}, M_PI / 2);
-  keyframe.scans = {{Stamp::from_seconds(9.8), pose_at_yaw({1, 1, 0}, M_PI / 2)}, {keyframe.stamp, keyframe.T_odom_base}};
-  const Pose T_base_lidar{Eigen::Quaterniond::Identity(), Eigen::Vector3d(0.1, 0, 0.25)};
-  const auto result = viewpoints(keyframe, T_base_lidar);
-  ASSERT_EQ(result.size(), 2U);
-  EXPECT_NEAR(result[0].time, -0.2, 1e-9);
-  EXPECT_NEAR((result[0].position - Eigen::Vector3d(-1, 0, 0)).norm(), 0, 1e-9);
-  EXPECT_NEAR(result[1].position.norm(), 0, 1e-12);
 }
 
 }  // namespace

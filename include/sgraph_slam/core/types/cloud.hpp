@@ -23,11 +23,18 @@ struct Point {
   [[nodiscard]] Eigen::Vector3f position() const { return {x, y, z}; }
 };
 
+/// Where the LiDAR was, in the cloud's frame, at `time` seconds from the cloud's stamp.
+struct Viewpoint {
+  double time = 0;
+  Eigen::Vector3d position = Eigen::Vector3d::Zero();
+};
+
 /// A point cloud with one stamp and one frame. Shared as `CloudPtr` and never edited after hand-over.
 struct Cloud {
   Stamp stamp;
   std::string frame;
   std::vector<Point> points;
+  std::vector<Viewpoint> viewpoints{};  ///< of a cloud put together from several scans: one a scan, in order of time; empty: seen from the origin
 
   [[nodiscard]] std::size_t size() const { return points.size(); }
   [[nodiscard]] bool empty() const { return points.empty(); }

@@ -11,7 +11,7 @@ namespace sgraph {
 
 /// One planar surface seen from one keyframe, in the LiDAR's frame at the keyframe's stamp.
 struct PlaneSegment {
-  Plane plane;                                               ///< normal towards the LiDAR, so d > 0
+  Plane plane;  ///< normal to where it was seen from: d > 0 but for faces that the LiDAR has passed since
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Identity();  ///< of [two tangent angles in tangent_basis(normal); d]: rad^2, rad m, m^2
   Eigen::Matrix4d scatter = Eigen::Matrix4d::Zero();         ///< sum of [p; 1][p; 1]^T over the inliers [m^2, m, 1]
   double sigma = 0;                                          ///< rms of the inliers' distances to the plane [m]
