@@ -5,15 +5,17 @@
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
-#include <fstream>
 #include <iostream>
+#include <map>
 #include <stdexcept>
 
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include "sgraph_slam/core/eval/evaluation.hpp"
-#include "sgraph_slam/core/io/map_files.hpp"
+#include "sgraph_slam/core/io/file.hpp"
+#include "sgraph_slam/core/io/graph_json.hpp"
+#include "sgraph_slam/core/io/pcd.hpp"
 #include "sgraph_slam/core/io/tum.hpp"
 
 namespace {
@@ -44,6 +46,21 @@ void measure_trajectories(const Options& options, const Trajectory& truth, Evalu
   if (has(live_file, "live poses", evaluation)) evaluation.live_poses = evaluate_trajectory(read_tum(live_file), truth);
 }
 
+GraphSnapshot read_graph(const fs::path& file) {
+  try {
+    return parse_graph_json(read_file(file));
+  } catch (const std::runtime_error& error) {
+    throw std::runtime_error(file.string() + ": " + error.what());
+  }
+}
+
+template <class Key, class Value>
+std::vector<Value> values_of(const std::map<Key, Value>& map) {
+  std::vector<Value> values;
+  for (const auto& [key, value] : map) values.push_back(value);
+  return values;
+}
+
 // Everything that is compared after the alignment of the final poses.
 void measure_map(const Options& options, const Trajectory& truth, Evaluation& evaluation) {
   const fs::path plan_file = options.truth / "truth.json";
@@ -54,20 +71,13 @@ void measure_map(const Options& options, const Trajectory& truth, Evaluation& ev
     evaluation.map = map_error(read_pcd_positions(options.run / "map.pcd"), T_truth_map, plan, options.map_cap);
   }
   if (!has(options.run / "graph.json", "walls, rooms and corridors", evaluation)) return;
-  const Structure structure = read_structure(options.run / "graph.json");
+  const GraphSnapshot graph = read_graph(options.run / "graph.json");
   std::vector<Pose> true_poses;
   for (const StampedPose& s : truth) true_poses.push_back(s.pose);
   evaluation.faces = wall_faces(plan, true_poses, options.wall_range);
-  evaluation.walls = score_walls(structure.planes, T_truth_map, evaluation.faces);
-  evaluation.rooms = score_rooms(structure.rooms, T_truth_map, plan.rooms);
-  evaluation.corridors = score_corridors(structure.corridors, T_truth_map, plan.corridors);
-}
-
-void write_text(const fs::path& file, const std::string& text) {
-  std::ofstream out(file);
-  out << text;
-  out.close();
-  if (!out) throw std::runtime_error("cannot write " + file.string());
+  evaluation.walls = score_walls(values_of(graph.planes), T_truth_map, evaluation.faces);
+  evaluation.rooms = score_rooms(values_of(graph.rooms), T_truth_map, plan.rooms);
+  evaluation.corridors = score_corridors(values_of(graph.corridors), T_truth_map, plan.corridors);
 }
 
 // A row a pose pair: the aligned estimate and its error.
@@ -111,9 +121,9 @@ void run(const Options& options) {
     throw std::runtime_error(options.run.string() + " holds neither trajectory.tum nor trajectory_live.tum");
 
   std::cout << to_table(evaluation);
-  write_text(options.run / "evaluation.json", to_json(evaluation));
+  write_file(options.run / "evaluation.json", to_json(evaluation));
   const auto& shown = evaluation.final_poses ? *evaluation.final_poses : *evaluation.live_poses;
-  write_text(options.run / "evaluation.csv", error_rows(shown));
+  write_file(options.run / "evaluation.csv", error_rows(shown));
   std::cout << "written: " << (options.run / "evaluation.json").string();
   if (options.picture && draw(options)) std::cout << ", " << (options.run / "evaluation.png").string();
   std::cout << std::endl;

@@ -3,7 +3,7 @@
 #include <pcl/io/pcd_io.h>
 #include <pcl/point_types.h>
 
-#include "sgraph_slam/core/io/map_files.hpp"
+#include "sgraph_slam/core/io/pcd.hpp"
 
 namespace sgraph {
 

@@ -73,7 +73,7 @@ RunReport make_report(const Pipeline& pipeline, const RunInfo& info) {
   report.path_length = length_of(pipeline.trajectory());
   if (!records.empty()) report.data_seconds = records.back().stamp - records.front().stamp;
   if (info.wall_seconds > 0) report.times_real_time = report.data_seconds / info.wall_seconds;
-  report.cpu_seconds = cpu_seconds();
+  report.cpu_seconds = cpu_seconds() - info.source_cpu_seconds;
   report.peak_memory_mib = peak_memory_mib();
   for (const Stage stage : all_stages) {
     if (stage <= pipeline.until()) report.stages.push_back(figures_of(stage, records));

@@ -9,7 +9,7 @@
 #include "sgraph_slam/core/io/file.hpp"
 #include "sgraph_slam/core/io/graph_json.hpp"
 #include "sgraph_slam/core/io/map_cloud.hpp"
-#include "sgraph_slam/core/io/map_files.hpp"
+#include "sgraph_slam/core/io/pcd.hpp"
 #include "sgraph_slam/core/io/tum.hpp"
 #include "small_room.hpp"
 

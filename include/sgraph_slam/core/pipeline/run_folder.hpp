@@ -12,6 +12,7 @@ namespace sgraph {
 struct RunInfo {
   std::vector<std::string> sources;           ///< recordings
   double wall_seconds = 0;                    ///< from the first scan read to the last solve
+  double source_cpu_seconds = 0;              ///< of the process, spent making the data (a simulator): not counted in the report
   std::map<std::string, int> dropped_before;  ///< scans that never reached the pipeline, by reason
   std::string stopped_by;                     ///< why the run ended early; empty when it didn't
 };

@@ -1,0 +1,135 @@
+// Maps a simulated world as it is simulated, without writing a bag, and writes a run folder as run_bag does.
+#include <tbb/global_control.h>
+#include <unistd.h>
+
+#include <CLI/CLI.hpp>
+#include <iostream>
+#include <optional>
+#include <stdexcept>
+
+#include "sgraph_slam/core/io/file.hpp"
+#include "sgraph_slam/core/io/tum.hpp"
+#include "sgraph_slam/core/params/params_io.hpp"
+#include "sgraph_slam/core/pipeline/run_folder.hpp"
+#include "sgraph_slam/core/sim/simulator.hpp"
+#include "sgraph_slam/core/util/progress.hpp"
+#include "sgraph_slam/core/util/resources.hpp"
+#include "sgraph_slam/core/util/stopwatch.hpp"
+
+namespace sgraph {
+namespace {
+
+struct Options {
+  std::string world;
+  std::string out;
+  std::vector<std::string> configs;
+  std::vector<std::string> assignments;
+  std::string odometry;
+  std::string until = "mapping";
+  std::string stamp = "last";
+  bool imu = false;
+  int threads = 0;
+  bool quiet = false;
+  sim::SimulationSettings simulation;
+};
+
+void declare(CLI::App& app, Options& options) {
+  app.add_option("WORLD", options.world, "World file (docs/worlds.md)")->required();
+  app.add_option("--out", options.out, "Run folder to write; gets ground_truth.tum and truth.json too")->required();
+  app.add_option("--config", options.configs, "YAML file over the defaults; later ones win")->allow_extra_args(false);
+  app.add_option("--set", options.assignments, "NAME=VALUE: one parameter, over the files")->allow_extra_args(false);
+  app.add_option("--odometry", options.odometry, "vgicp: from the LiDAR; topic: the robot's encoders")->check(CLI::IsMember({"vgicp", "topic"}));
+  app.add_flag("--imu", options.imu, "Give the odometry the inertial unit's readings");
+  app.add_option("--until", options.until, "Last stage to run")
+      ->capture_default_str()
+      ->check(CLI::IsMember({"prefilter", "odometry", "segmentation", "mapping"}));
+  sim::LidarSettings& lidar = options.simulation.lidar;
+  app.add_option("--noise", lidar.range_noise, "Standard deviation of the ranges [m]")->capture_default_str()->check(CLI::Range(0.0, 1.0));
+  app.add_option("--seed", lidar.seed, "Seed of all random numbers")->capture_default_str();
+  app.add_option("--stamp", options.stamp, "Which firing stamps a cloud")->capture_default_str()->check(CLI::IsMember({"first", "last"}));
+  app.add_option("--duration", options.simulation.duration, "End after this long [s]")->check(CLI::PositiveNumber);
+  app.add_option("--threads", options.threads, "Most threads to use; 0: all")->check(CLI::NonNegativeNumber);
+  app.add_flag("--quiet", options.quiet, "Print errors only");
+}
+
+Params read_params(const Options& options) {
+  ParamValues values;
+  for (const std::string& path : options.configs) {
+    for (const auto& [name, value] : read_yaml_values(path)) values[name] = value;
+  }
+  for (const std::string& assignment : options.assignments) set_value(values, assignment);
+  if (!options.odometry.empty()) values["odometry.source"] = options.odometry;
+  Params params;
+  apply_values(values, [&params](ParamVisitor& v) { params.describe(v); });
+  return params;
+}
+
+// Only the time after the simulator has made its scan counts as the pipeline's.
+void map_world(const Options& options, bool use_encoders, sim::SimulatedSource& source, Pipeline& pipeline, RunInfo& info) {
+  Progress progress(source.scan_count(), isatty(STDERR_FILENO) != 0);
+  Stopwatch total;
+  double total_seconds = 0;
+  for (;;) {
+    const double cpu_before = cpu_seconds();
+    const auto event = source.next();
+    info.source_cpu_seconds += cpu_seconds() - cpu_before;
+    if (!event) break;
+    Stopwatch working;
+    if (const auto* odometry = std::get_if<OdometrySample>(&*event); odometry && use_encoders) pipeline.add(*odometry);
+    if (const auto* imu = std::get_if<ImuSample>(&*event); imu && options.imu) pipeline.add(*imu);
+    const auto* scan = std::get_if<CloudPtr>(&*event);
+    if (scan) pipeline.process(**scan);
+    info.wall_seconds += 1e-3 * working.lap();
+    if (!scan) continue;
+    total_seconds += 1e-3 * total.lap();
+    const auto& records = pipeline.records();
+    if (!options.quiet) {
+      std::cerr << progress.after(static_cast<int>(records.size()), records.back().stamp - records.front().stamp, total_seconds) << std::flush;
+    }
+  }
+  Stopwatch working;
+  pipeline.finish();
+  info.wall_seconds += 1e-3 * working.lap();
+  if (!options.quiet) std::cerr << progress.end();
+}
+
+void run(Options& options) {
+  const Params params = read_params(options);
+  make_folder(options.out);
+  options.simulation.lidar.stamp = options.stamp == "first" ? sim::StampConvention::first : sim::StampConvention::last;
+  const sim::World world = sim::read_world(options.world);
+  sim::SimulatedSource source(world, options.simulation);
+  write_tum(source.ground_truth(), options.out + "/ground_truth.tum");
+  write_file(options.out + "/truth.json", sim::truth_json(world, source.motion(), source.duration()));
+  Pipeline pipeline(params, source.T_base_lidar(), *stage_from(options.until));
+  RunInfo info;
+  info.sources = {options.world};
+  map_world(options, params.odometry.source == "topic", source, pipeline, info);
+  const RunReport report = write_run(options.out, pipeline, params, info);
+  if (!options.quiet) std::cout << report_table(report) << "written to " << options.out << std::endl;
+}
+
+}  // namespace
+}  // namespace sgraph
+
+int main(int argc, char** argv) {
+  sgraph::Options options;
+  CLI::App app("Maps a simulated world without writing a bag: the run folder of run_bag, and the world's truth");
+  sgraph::declare(app, options);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? 0 : 1;
+  }
+  try {
+    std::optional<tbb::global_control> limit;
+    if (options.threads > 0) limit.emplace(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(options.threads));
+    sgraph::run(options);
+    return 0;
+  } catch (const sgraph::ParamError& error) {
+    for (const std::string& line : error.errors()) std::cerr << "run_world: " << line << '\n';
+  } catch (const std::exception& error) {
+    std::cerr << "run_world: " << error.what() << '\n';
+  }
+  return 1;
+}
