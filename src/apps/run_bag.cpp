@@ -124,8 +124,8 @@ void refuse_if_nothing_was_mapped(const Pipeline& pipeline, const RunInfo& info)
 
 void run(const Options& options) {
   const Settings settings = read_settings(options);
-  make_folder(options.out);  // before the work, not after it
   BagSource source(bag_options(options, settings));
+  make_folder(options.out);  // before the work, not after it
   Pipeline pipeline(settings.params, source.T_base_lidar(), *stage_from(options.until));
   RunInfo info;
   info.sources = options.bag.bags;

@@ -81,17 +81,16 @@ DrawnPlace place(const std::string& name, const Eigen::Vector3d& center, const E
   return place;
 }
 
-// Occupied cells, neighbours in a row joined.
-std::vector<Segment2d> rows_of(const OccupancyGrid& grid) {
+// The cells of one kind, neighbours in a row joined.
+std::vector<Segment2d> rows_of(const OccupancyGrid& grid, std::int8_t kind) {
   std::vector<Segment2d> rows;
   for (int y = 0; y < grid.height; ++y) {
     int begin = -1;
     for (int x = 0; x <= grid.width; ++x) {
-      const bool occupied =
-          x < grid.width &&
-          grid.cells[static_cast<std::size_t>(y) * static_cast<std::size_t>(grid.width) + static_cast<std::size_t>(x)] == OccupancyGrid::occupied;
-      if (occupied && begin < 0) begin = x;
-      if (occupied || begin < 0) continue;
+      const bool inside =
+          x < grid.width && grid.cells[static_cast<std::size_t>(y) * static_cast<std::size_t>(grid.width) + static_cast<std::size_t>(x)] == kind;
+      if (inside && begin < 0) begin = x;
+      if (inside || begin < 0) continue;
       const auto center = [&](int column) -> Eigen::Vector2d { return grid.origin + grid.resolution * Eigen::Vector2d(column + 0.5, y + 0.5); };
       rows.emplace_back(center(begin), center(x - 1));
       begin = -1;
@@ -106,7 +105,8 @@ FloorPlan make_floor_plan(const GraphSnapshot& snapshot, const OccupancyGrid& gr
   FloorPlan plan;
   plan.yaw = std::remainder(snapshot.dominant_yaw, M_PI_2);
   plan.cell = grid.resolution;
-  plan.obstacles = rows_of(grid);
+  plan.obstacles = rows_of(grid, OccupancyGrid::occupied);
+  plan.free = rows_of(grid, OccupancyGrid::free);
   plan.walls = walls_of(snapshot, grid, !plan.obstacles.empty());
   for (const auto& [id, corridor] : snapshot.corridors) {
     plan.places.push_back(place("Corridor " + std::to_string(id.value), corridor.center, {corridor.length, corridor.width}, corridor.yaw));

@@ -16,7 +16,8 @@ constexpr double least_side = 700;
 constexpr Color ink{38, 42, 48};
 constexpr Color furniture_ink{140, 145, 152};
 constexpr Color hidden_ink{190, 194, 200};
-constexpr Color obstacle_ink{205, 208, 213};
+constexpr Color obstacle_ink{200, 203, 209};
+constexpr Color free_fill{245, 246, 248};
 constexpr Color path_ink{32, 98, 196};
 constexpr Color start_ink{30, 150, 70};
 constexpr Color end_ink{210, 50, 45};
@@ -87,20 +88,21 @@ std::string metres(double value) {
   return text;
 }
 
-void draw_obstacles(Canvas& canvas, const Layout& layout, const FloorPlan& plan) {
+void draw_cells(Canvas& canvas, const Layout& layout, const std::vector<Segment2d>& rows, double cell, Color color) {
   std::vector<Canvas::Points> cells;
-  const double half = 0.5 * plan.cell;
-  for (const auto& [first, last] : plan.obstacles) {
+  const double half = 0.5 * cell;
+  for (const auto& [first, last] : rows) {
     cells.push_back({layout(first + Eigen::Vector2d(-half, -half)), layout(last + Eigen::Vector2d(half, -half)),
                      layout(last + Eigen::Vector2d(half, half)), layout(first + Eigen::Vector2d(-half, half))});
   }
-  canvas.fill_all(cells, obstacle_ink);
+  canvas.fill_all(cells, color);
 }
 
 void draw_walls(Canvas& canvas, const Layout& layout, const FloorPlan& plan) {
   const double width = std::clamp(0.07 * layout.scale(), 2.5, 6.0);
   for (const DrawnWall& wall : plan.walls) {
-    if (!wall.low) canvas.dashed(layout(wall.line.first), layout(wall.line.second), hidden_ink, 1.2);
+    // Where nothing of it stands in the band, it is a beam under the ceiling.
+    if (!wall.low && !wall.solid.empty()) canvas.dashed(layout(wall.line.first), layout(wall.line.second), hidden_ink, 1.2);
   }
   for (const bool low : {true, false}) {
     for (const DrawnWall& wall : plan.walls) {
@@ -127,8 +129,8 @@ void draw_path(Canvas& canvas, const Layout& layout, const FloorPlan& plan) {
   Canvas::Points points;
   for (const auto& p : plan.path) points.push_back(layout(p));
   canvas.line(points, path_ink, 2.2);
-  canvas.disc(points.front(), 7, start_ink);
-  canvas.disc(points.back(), 7, end_ink);
+  canvas.disc(points.front(), 9, start_ink);
+  canvas.disc(points.back(), 5.5, end_ink);  // smaller: the start shows behind it where a walk ends where it began
 }
 
 // The largest round length that is at most a quarter of the picture.
@@ -183,13 +185,14 @@ void draw_title(Canvas& canvas, const Layout& layout, const FloorPlan& plan) {
 std::string draw(const FloorPlan& plan, std::unique_ptr<Canvas> (*make)(int, int)) {
   const Layout layout(plan);
   const auto canvas = make(layout.width(), layout.height());
+  draw_cells(*canvas, layout, plan.free, plan.cell, free_fill);
   std::size_t room = 0;
   for (const DrawnPlace& place : plan.places) {
     Canvas::Points outline;
     for (const auto& corner : place.outline) outline.push_back(layout(corner));
     canvas->fill(outline, place.corridor ? corridor_fill : room_fills[room++ % std::size(room_fills)]);
   }
-  draw_obstacles(*canvas, layout, plan);
+  draw_cells(*canvas, layout, plan.obstacles, plan.cell, obstacle_ink);
   draw_walls(*canvas, layout, plan);
   draw_path(*canvas, layout, plan);
   for (const DrawnPlace& place : plan.places) draw_label(*canvas, layout, place);

@@ -36,7 +36,8 @@ struct FloorPlan {
   std::vector<DrawnPlace> places;
   std::vector<Eigen::Vector2d> path;
   std::vector<Segment2d> obstacles;  ///< occupied cells, joined in rows: first and last cell's centre
-  double cell = 0.05;                ///< edge of the cells of `obstacles` [m]
+  std::vector<Segment2d> free;       ///< free cells in the same way
+  double cell = 0.05;                ///< edge of the cells [m]
 };
 
 FloorPlan make_floor_plan(const GraphSnapshot& snapshot, const OccupancyGrid& grid, const Trajectory& path);
