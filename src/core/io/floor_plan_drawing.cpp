@@ -12,6 +12,7 @@ namespace {
 constexpr double longer_side = 1600;  // of the picture [px]
 constexpr double margin = 90;         // holds title, scale bar and legend [px]
 constexpr double least_side = 700;
+constexpr double least_solid = 0.2;  // what stands on the floor with less of its length is a beam under the ceiling, not a wall with doors
 
 constexpr Color ink{38, 42, 48};
 constexpr Color furniture_ink{140, 145, 152};
@@ -98,11 +99,17 @@ void draw_cells(Canvas& canvas, const Layout& layout, const std::vector<Segment2
   canvas.fill_all(cells, color);
 }
 
+// How much of a wall stands on the floor.
+double share_solid(const DrawnWall& wall) {
+  double length = 0;
+  for (const auto& [from, to] : wall.solid) length += (to - from).norm();
+  return length / (wall.line.second - wall.line.first).norm();
+}
+
 void draw_walls(Canvas& canvas, const Layout& layout, const FloorPlan& plan) {
   const double width = std::clamp(0.07 * layout.scale(), 2.5, 6.0);
   for (const DrawnWall& wall : plan.walls) {
-    // Where nothing of it stands in the band, it is a beam under the ceiling.
-    if (!wall.low && !wall.solid.empty()) canvas.dashed(layout(wall.line.first), layout(wall.line.second), hidden_ink, 1.2);
+    if (!wall.low && share_solid(wall) > least_solid) canvas.dashed(layout(wall.line.first), layout(wall.line.second), hidden_ink, 1.2);
   }
   for (const bool low : {true, false}) {
     for (const DrawnWall& wall : plan.walls) {
