@@ -168,7 +168,8 @@ TEST(Simulator, TheNoiseIsWhiteAndOfTheGivenSize) {
 }
 
 TEST(Simulator, RangesComeInStepsOfTwoMillimetres) {
-  for (const Point& p : simulate_scans(box_world(8, 5), 1).scans[0]->points) {
+  const SimulatedScans scans = simulate_scans(box_world(8, 5), 1);
+  for (const Point& p : scans.scans[0]->points) {
     const double steps = p.position().cast<double>().norm() / 0.002;
     EXPECT_NEAR(steps, std::round(steps), 0.01);
   }
@@ -294,6 +295,22 @@ route: {waypoints: [[2, 3], [3, 3]]}
   EXPECT_EQ(truth["other_rooms"][0]["id"], "right");
   EXPECT_EQ(truth["walls"].size(), 5U);
   EXPECT_NEAR(truth["walls"][0]["extend_p"].get<double>(), 0.15, 1e-9);
+}
+
+TEST(Simulator, StoreysLieOnTopOfEachOther) {
+  const World world = parse_world(R"(
+storeys:
+  - {height: 2.5, walls: [[[-4, -3], [4, -3], [4, 3], [-4, 3], [-4, -3]]]}
+  - {elevation: 2.8, height: 3.0, walls: [[[-5, -3], [5, -3], [5, 3], [-5, 3], [-5, -3]]]}
+lidar: {x: 0, y: 0, z: 0.3}
+route: {storey: 1, waypoints: [[0, 0]]}
+)");
+  const SimulatedScans scans = simulate_scans(world, 1, exact());
+  EXPECT_NEAR(scans.truth[0].pose.translation.z(), 2.8 + 0.45, 1e-9);
+  for (const Point& p : scans.scans[0]->points) {
+    const double expected = box_distance(p.position().cast<double>().normalized(), {4.925, 2.925, 0}, 0.75, 3.0);
+    EXPECT_NEAR(static_cast<double>(p.position().norm()), expected, 0.003);
+  }
 }
 
 TEST(Simulator, ShippedWorldsAreAccepted) {
