@@ -60,13 +60,4 @@ class Health {
   ros::WallTimer timer_;  // last: it calls the updater
 };
 
-/// Milliseconds since it was made.
-class Stopwatch {
- public:
-  [[nodiscard]] double milliseconds() const { return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin_).count(); }
-
- private:
-  std::chrono::steady_clock::time_point begin_ = std::chrono::steady_clock::now();
-};
-
 }  // namespace sgraph

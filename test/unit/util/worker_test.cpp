@@ -59,6 +59,29 @@ TEST(Worker, DropsTheOldestWhenFull) {
   EXPECT_EQ(done, (std::vector<int>{0, 4, 5, 6}));
 }
 
+TEST(Worker, DropsOnlyWhatMayBeDropped) {
+  std::promise<void> started;
+  std::promise<void> gate;
+  std::shared_future<void> open = gate.get_future().share();
+  std::vector<int> done;
+  Worker<int> worker(
+      2,
+      [&](int& item, bool) {
+        if (item == 0) started.set_value();
+        open.wait();
+        done.push_back(item);
+        return Work::done;
+      },
+      unexpected, [](const int& item) { return item > 0; });
+  worker.push(0);
+  started.get_future().wait();
+  for (const int item : {-1, 1, -2, 2, -3, 3, -4, 4}) worker.push(item);
+  gate.set_value();
+  ASSERT_TRUE(worker.drain(long_enough));
+  EXPECT_EQ(done, (std::vector<int>{0, -1, -2, -3, 3, -4, 4}));
+  EXPECT_EQ(worker.dropped(), 2U);
+}
+
 TEST(Worker, KeepsAnItemThatMustWait) {
   std::atomic<bool> ready{false};
   std::vector<int> done;

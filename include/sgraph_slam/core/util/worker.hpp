@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <chrono>
 #include <condition_variable>
 #include <cstddef>
@@ -28,8 +29,10 @@ class Worker {
   /// ends in `failed(text)`, and the item counts as done.
   using Function = std::function<Work(Item& item, bool hurry)>;
 
-  Worker(std::size_t capacity, Function work, std::function<void(const std::string&)> failed)
-      : capacity_(capacity), work_(std::move(work)), failed_(std::move(failed)), thread_([this] { run(); }) {}
+  Worker(
+      std::size_t capacity, Function work, std::function<void(const std::string&)> failed,
+      std::function<bool(const Item&)> droppable = [](const Item&) { return true; })
+      : capacity_(capacity), work_(std::move(work)), failed_(std::move(failed)), droppable_(std::move(droppable)), thread_([this] { run(); }) {}
 
   Worker(const Worker&) = delete;
   Worker& operator=(const Worker&) = delete;
@@ -47,8 +50,8 @@ class Worker {
   void push(Item item) {
     {
       const std::lock_guard<std::mutex> lock(mutex_);
-      if (capacity_ > 0 && items_.size() >= capacity_) {
-        items_.pop_front();
+      if (droppable_(item) && full()) {
+        items_.erase(std::find_if(items_.begin(), items_.end(), droppable_));
         ++dropped_;
       }
       items_.push_back(std::move(item));
@@ -117,9 +120,13 @@ class Worker {
     return Work::done;
   }
 
+  [[nodiscard]] bool full() const {
+    return capacity_ > 0 && static_cast<std::size_t>(std::count_if(items_.begin(), items_.end(), droppable_)) >= capacity_;
+  }
+
   /// Puts the item back in front and waits for a change. Where newer items have filled the queue in the meantime, the item is the one to drop.
   void put_back(std::unique_lock<std::mutex>& lock, Item item) {
-    if (capacity_ > 0 && items_.size() >= capacity_) {
+    if (droppable_(item) && full()) {
       ++dropped_;
       return;
     }
@@ -131,6 +138,7 @@ class Worker {
   const std::size_t capacity_;
   const Function work_;
   const std::function<void(const std::string&)> failed_;
+  const std::function<bool(const Item&)> droppable_;
 
   mutable std::mutex mutex_;  // guards everything below
   std::condition_variable changed_;
