@@ -1,0 +1,103 @@
+#include "sgraph_slam/ros/back_end_thread.hpp"
+
+#include <future>
+
+#include "sgraph_slam/core/util/stopwatch.hpp"
+
+namespace sgraph {
+
+namespace {
+
+GraphSnapshotPtr empty_graph(const std::string& frame) {
+  auto graph = std::make_shared<GraphSnapshot>();
+  graph->frame = frame;
+  return graph;
+}
+
+/// The core calls the map's frame "map"; here it may have another name.
+GraphSnapshotPtr in_frame(const GraphSnapshotPtr& graph, const std::string& frame) {
+  if (graph->frame == frame) return graph;
+  auto renamed = std::make_shared<GraphSnapshot>(*graph);
+  renamed->frame = frame;
+  return renamed;
+}
+
+}  // namespace
+
+BackEndThread::BackEndThread(const MappingParams& params, const std::string& map_frame, std::function<void(const MapState&, double)> changed,
+                             std::function<void(const std::string&)> failed)
+    : params_(params),
+      map_frame_(map_frame),
+      changed_(std::move(changed)),
+      state_{empty_graph(map_frame), {}},
+      worker_(
+          0,
+          [](Task& task, bool) {
+            task();
+            return Work::done;
+          },
+          std::move(failed)) {}
+
+void BackEndThread::process(MatchedKeyframe keyframe) {
+  worker_.push([this, keyframe = std::move(keyframe)] { take(keyframe); });
+}
+
+std::optional<MapState> BackEndThread::optimize(std::chrono::milliseconds limit) {
+  // Shared with the task, which may run when nobody waits any more.
+  const auto promise = std::make_shared<std::promise<MapState>>();
+  std::future<MapState> result = promise->get_future();
+  worker_.push([this, promise] {
+    if (back_end_) {
+      Stopwatch watch;
+      const GraphSnapshotPtr graph = back_end_->optimize();
+      put(graph, watch.lap());
+    }
+    promise->set_value(state());
+  });
+  if (result.wait_for(limit) != std::future_status::ready) return {};
+  return result.get();
+}
+
+bool BackEndThread::reset(std::chrono::milliseconds limit) {
+  const auto promise = std::make_shared<std::promise<void>>();
+  std::future<void> result = promise->get_future();
+  worker_.push([this, promise] {
+    start_over();
+    promise->set_value();
+  });
+  return result.wait_for(limit) == std::future_status::ready;
+}
+
+MapState BackEndThread::state() const {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  return state_;
+}
+
+void BackEndThread::take(const MatchedKeyframe& matched) {
+  const Keyframe& keyframe = matched.received.keyframe;
+  if (back_end_ && !(last_ < keyframe.id)) start_over();
+  if (!back_end_) {
+    T_base_lidar_ = matched.received.T_base_lidar;
+    back_end_.emplace(params_, T_base_lidar_);
+  }
+  last_ = keyframe.id;
+  Stopwatch watch;
+  const GraphSnapshotPtr graph = back_end_->process(keyframe, matched.segments);
+  put(graph, watch.lap());
+}
+
+void BackEndThread::start_over() {
+  back_end_.reset();
+  put(empty_graph(map_frame_), 0);
+}
+
+void BackEndThread::put(GraphSnapshotPtr graph, double milliseconds) {
+  const MapState state{in_frame(graph, map_frame_), T_base_lidar_};
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    state_ = state;
+  }
+  changed_(state, milliseconds);
+}
+
+}  // namespace sgraph

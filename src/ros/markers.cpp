@@ -1,0 +1,214 @@
+#include "sgraph_slam/ros/markers.hpp"
+
+#include <cstdio>
+
+#include "sgraph_slam/ros/conversions.hpp"
+#include "sgraph_slam/ros/messages.hpp"
+
+namespace sgraph {
+
+namespace {
+
+using visualization_msgs::Marker;
+
+struct Color {
+  float r, g, b, a;
+};
+
+constexpr Color keyframe_color{0.20F, 0.65F, 1.00F, 1.0F};
+constexpr Color path_color{0.10F, 0.45F, 0.85F, 1.0F};
+constexpr Color x_color{0.95F, 0.45F, 0.25F, 0.85F};
+constexpr Color y_color{0.30F, 0.75F, 0.40F, 0.85F};
+constexpr Color horizontal_color{0.60F, 0.60F, 0.65F, 0.9F};
+constexpr Color other_color{0.80F, 0.70F, 0.30F, 0.85F};
+constexpr Color room_color{0.95F, 0.30F, 0.75F, 1.0F};
+constexpr Color corridor_color{0.95F, 0.80F, 0.20F, 1.0F};
+constexpr Color opening_color{0.90F, 0.90F, 0.90F, 1.0F};
+constexpr Color text_color{1.0F, 1.0F, 1.0F, 1.0F};
+
+std_msgs::ColorRGBA to_message(const Color& color) {
+  std_msgs::ColorRGBA message;
+  message.r = color.r;
+  message.g = color.g;
+  message.b = color.b;
+  message.a = color.a;
+  return message;
+}
+
+Color color_of(PlaneClass plane_class) {
+  switch (plane_class) {
+    case PlaneClass::x: return x_color;
+    case PlaneClass::y: return y_color;
+    case PlaneClass::horizontal: return horizontal_color;
+    case PlaneClass::unclassified: break;
+  }
+  return other_color;
+}
+
+geometry_msgs::Point at(const Eigen::Vector3d& p, double lift) {
+  geometry_msgs::Point message;
+  message.x = p.x();
+  message.y = p.y();
+  message.z = p.z() + lift;
+  return message;
+}
+
+Eigen::Vector3d middle(const std::vector<Eigen::Vector3d>& points) {
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  for (const Eigen::Vector3d& p : points) sum += p;
+  return points.empty() ? sum : Eigen::Vector3d(sum / static_cast<double>(points.size()));
+}
+
+/// Collects the markers of one snapshot.
+class Drawing {
+ public:
+  Drawing(const GraphSnapshot& snapshot, double layer_height) : snapshot_(snapshot), planes_lift_(layer_height), places_lift_(2 * layer_height) {
+    Marker erase = marker("", Marker::CUBE, {0, 0, 0, 0}, 1);
+    erase.action = Marker::DELETEALL;
+    array_.markers.push_back(erase);
+  }
+
+  void keyframes() {
+    if (snapshot_.keyframes.empty()) return;
+    Marker nodes = marker("keyframes", Marker::SPHERE_LIST, keyframe_color, 0.22);
+    Marker edges = marker("keyframe_edges", Marker::LINE_STRIP, path_color, 0.06);
+    for (const auto& [id, keyframe] : snapshot_.keyframes) {
+      nodes.points.push_back(at(keyframe.T_map_base.translation, 0));
+      edges.points.push_back(at(keyframe.T_map_base.translation, 0));
+    }
+    array_.markers.push_back(nodes);
+    if (edges.points.size() > 1) array_.markers.push_back(edges);
+  }
+
+  void planes() {
+    for (const auto& [id, plane] : snapshot_.planes) {
+      if (plane.extent.size() < 3) continue;
+      const Color color = color_of(plane.plane_class);
+      if (plane.plane_class != PlaneClass::horizontal) fill(plane, color);  // a filled floor or ceiling would hide what is below
+      Marker outline = marker("plane_outlines", Marker::LINE_STRIP, {color.r, color.g, color.b, 1}, 0.04);
+      outline.id = static_cast<int>(id.value);
+      for (std::size_t i = 0; i <= plane.extent.size(); ++i) outline.points.push_back(at(plane.extent[i % plane.extent.size()], planes_lift_));
+      array_.markers.push_back(outline);
+    }
+    observations();
+  }
+
+  void places() {
+    char label[80];
+    for (const auto& [id, room] : snapshot_.rooms) {
+      std::snprintf(label, sizeof label, "room %ld\n%.2f x %.2f m", static_cast<long>(id.value), room.width.x(), room.width.y());
+      place("rooms", static_cast<int>(id.value), room.center, room.planes, room_color, label);
+    }
+    for (const auto& [id, corridor] : snapshot_.corridors) {
+      std::snprintf(label, sizeof label, "corridor %ld\n%.2f m wide", static_cast<long>(id.value), corridor.width);
+      place("corridors", static_cast<int>(id.value), corridor.center, corridor.planes, corridor_color, label);
+    }
+    openings();
+  }
+
+  visualization_msgs::MarkerArray take() { return std::move(array_); }
+
+ private:
+  [[nodiscard]] Marker marker(const std::string& name, int type, const Color& color, double size) const {
+    Marker result;
+    result.header.frame_id = snapshot_.frame;
+    if (!snapshot_.keyframes.empty()) result.header.stamp = to_ros_time(snapshot_.keyframes.rbegin()->second.stamp);
+    result.ns = name;
+    result.type = type;
+    result.color = to_message(color);
+    result.scale.x = result.scale.y = result.scale.z = size;
+    result.pose.orientation.w = 1;
+    return result;
+  }
+
+  void fill(const ScenePlane& plane, const Color& color) {
+    Marker face = marker("planes", Marker::TRIANGLE_LIST, color, 1);
+    face.id = static_cast<int>(plane.id.value);
+    for (std::size_t i = 2; i < plane.extent.size(); ++i)
+      for (const std::size_t corner : {std::size_t{0}, i - 1, i}) face.points.push_back(at(plane.extent[corner], planes_lift_));
+    array_.markers.push_back(face);
+  }
+
+  /// From each wall to the keyframes that saw it.
+  void observations() {
+    Marker lines = marker("observations", Marker::LINE_LIST, {0.7F, 0.7F, 0.7F, 0.35F}, 0.015);
+    for (const auto& [id, plane] : snapshot_.planes) {
+      if (plane.plane_class == PlaneClass::horizontal || plane.extent.empty()) continue;
+      for (const KeyframeId keyframe : plane.keyframes) {
+        const auto found = snapshot_.keyframes.find(keyframe);
+        if (found == snapshot_.keyframes.end()) continue;
+        lines.points.push_back(at(middle(plane.extent), planes_lift_));
+        lines.points.push_back(at(found->second.T_map_base.translation, 0));
+      }
+    }
+    if (!lines.points.empty()) array_.markers.push_back(lines);
+  }
+
+  void place(const std::string& name, int id, const Eigen::Vector3d& center, const std::vector<PlaneId>& planes, const Color& color,
+             const char* label) {
+    Marker node = marker(name, Marker::CUBE, color, 0.7);
+    node.id = id;
+    node.pose.position = at(center, places_lift_);
+    array_.markers.push_back(node);
+
+    Marker lines = marker(name + "_walls", Marker::LINE_LIST, color, 0.05);
+    lines.id = id;
+    for (const PlaneId plane : planes) {
+      const auto found = snapshot_.planes.find(plane);
+      if (found == snapshot_.planes.end() || found->second.extent.empty()) continue;
+      lines.points.push_back(at(center, places_lift_));
+      lines.points.push_back(at(middle(found->second.extent), planes_lift_));
+    }
+    if (!lines.points.empty()) array_.markers.push_back(lines);
+
+    Marker text = marker(name + "_labels", Marker::TEXT_VIEW_FACING, text_color, 0.7);
+    text.id = id;
+    text.pose.position = at(center, places_lift_ + 1.4);
+    text.text = label;
+    array_.markers.push_back(text);
+  }
+
+  /// Between the nodes of the places that they join.
+  void openings() {
+    Marker lines = marker("openings", Marker::LINE_LIST, opening_color, 0.05);
+    for (const SceneOpening& opening : snapshot_.openings) {
+      const std::optional<Eigen::Vector3d> from = center_of(opening.from);
+      const std::optional<Eigen::Vector3d> to = center_of(opening.to);
+      if (!from || !to) continue;
+      lines.points.push_back(at(*from, places_lift_));
+      lines.points.push_back(at(*to, places_lift_));
+    }
+    if (!lines.points.empty()) array_.markers.push_back(lines);
+  }
+
+  /// Of "room/3" or "corridor/0".
+  [[nodiscard]] std::optional<Eigen::Vector3d> center_of(const std::string& place) const {
+    long id = 0;
+    if (std::sscanf(place.c_str(), "room/%ld", &id) == 1) {
+      const auto room = snapshot_.rooms.find({id});
+      if (room != snapshot_.rooms.end()) return room->second.center;
+    }
+    if (std::sscanf(place.c_str(), "corridor/%ld", &id) == 1) {
+      const auto corridor = snapshot_.corridors.find({id});
+      if (corridor != snapshot_.corridors.end()) return corridor->second.center;
+    }
+    return {};
+  }
+
+  const GraphSnapshot& snapshot_;
+  const double planes_lift_;
+  const double places_lift_;
+  visualization_msgs::MarkerArray array_;
+};
+
+}  // namespace
+
+visualization_msgs::MarkerArray graph_markers(const GraphSnapshot& snapshot, double layer_height) {
+  Drawing drawing(snapshot, layer_height);
+  drawing.keyframes();
+  drawing.planes();
+  drawing.places();
+  return drawing.take();
+}
+
+}  // namespace sgraph
