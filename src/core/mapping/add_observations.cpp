@@ -165,4 +165,20 @@ AssociationResult add_observations(MapState& state, const PlaneSegments& segment
   return result;
 }
 
+int drop_passing_planes(MapState& state) {
+  const AssociationParams& params = state.params.association;
+  Transaction edit;
+  edit.reason = "planes seen in passing";
+  std::vector<PlaneId> passing;
+  for (const auto& [id, record] : state.planes.records()) {
+    if (state.newest().value - record.last_seen.value < params.drop_after) continue;
+    if (record.keyframes.size() > static_cast<std::size_t>(params.drop_views) || outline_area(record.outline) >= params.drop_area) continue;
+    edit.remove_variables.emplace_back(id);
+    passing.push_back(id);
+  }
+  if (passing.empty() || !commit(state, edit).ok()) return 0;
+  for (const PlaneId id : passing) state.planes.erase(id);
+  return static_cast<int>(passing.size());
+}
+
 }  // namespace sgraph

@@ -83,6 +83,7 @@ class BackEnd::Implementation {
   }
 
   void solve_global(int iterations) {
+    drop_passing_planes(state_);
     SolverOptions options;
     options.max_iterations = iterations;
     note(solve(state_.graph, options));

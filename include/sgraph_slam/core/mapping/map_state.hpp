@@ -60,6 +60,9 @@ bool add_keyframe(MapState& state, const Keyframe& keyframe);
 /// Associates the segments of the newest keyframe, makes planes of what is new, adds the observations (paper, Metric-Semantic Layer).
 AssociationResult add_observations(MapState& state, const PlaneSegments& segments);
 
+/// Drops small planes that few keyframes have seen, long ago. Returns how many.
+int drop_passing_planes(MapState& state);
+
 /// Merges planes that are one surface by their marginals, more readily those that a place shows to be one; solves; undoes what doesn't fit.
 /// Returns how many were merged and kept.
 int merge_duplicates(MapState& state, const std::set<PlanePair>& shown_by_places);

@@ -74,6 +74,9 @@ struct AssociationParams {
   double sigma_angle = 0.006;
   double sigma_distance = 0.02;
   double min_new_area = 0.25;
+  int drop_after = 30;
+  int drop_views = 2;
+  double drop_area = 1.5;
 
   void describe(ParamVisitor& v) {
     v.field("chi_square", chi_square, "", {1, 100}, "Largest squared Mahalanobis distance, 3 degrees of freedom; 7.81 keeps 95 % of the right ones.");
@@ -84,6 +87,9 @@ struct AssociationParams {
     v.field("sigma_angle", sigma_angle, "rad", {0, 0.2}, "Standard deviation added to a segment's normal in the gate: what all its points share.");
     v.field("sigma_distance", sigma_distance, "m", {0, 0.5}, "Standard deviation added to a segment's distance in the gate.");
     v.field("min_new_area", min_new_area, "m^2", {0, 100}, "A segment that matches nothing makes a plane when it is at least this large.");
+    v.field("drop_after", drop_after, "", {1, 1000000}, "A plane that hasn't been seen in this many keyframes is dropped again ...");
+    v.field("drop_views", drop_views, "", {0, 1000}, "... when no more than this many saw it: it says next to nothing about them ...");
+    v.field("drop_area", drop_area, "m^2", {0, 1000}, "... and its extent is smaller than this: people, clutter, pieces of glass.");
   }
 };
 

@@ -48,6 +48,7 @@ class PlaneMap {
   void reclassify(const Graph& graph, PlaneId id, const DominantFrame& frame);
 
   void merge(const Graph& graph, PlaneId kept, PlaneId merged);
+  void erase(PlaneId id) { records_.erase(id); }
   void undo_merge(const Graph& graph, PlaneId kept, PlaneId merged);
 
   [[nodiscard]] const std::map<PlaneId, PlaneRecord>& records() const { return records_; }
