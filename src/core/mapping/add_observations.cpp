@@ -120,7 +120,9 @@ AssociationResult add_observations(MapState& state, const PlaneSegments& segment
   std::vector<View> views;
   const std::vector<Eigen::Vector3d> origins = lidar_origins(state.keyframes.rbegin()->second, state.T_base_lidar);
   const RobustLoss loss{loss_kind_from(state.params.factors.plane_loss), state.params.factors.plane_loss_scale};
-  for (const PlaneSegment& segment : segments.segments) {
+  const double usual = usual_sigma(segments.segments);
+  for (const PlaneSegment& raw : segments.segments) {
+    const PlaneSegment segment = with_model_error(raw, usual);
     if (!usable(segment)) {
       ++result.ignored;
       continue;
