@@ -7,6 +7,7 @@
 
 #include "sgraph_slam/core/math/se3.hpp"
 #include "sgraph_slam/core/math/so3.hpp"
+#include "sgraph_slam/core/util/voxel_set.hpp"
 
 namespace sgraph {
 namespace {
@@ -20,6 +21,11 @@ constexpr double poor_share = 0.7;        // of the usual share of matches: belo
 constexpr double clearly_better = 1.1;    // support that another start must have
 constexpr int widest_turn = 9;            // ... up to this many steps to either side
 constexpr double turn_step = 0.1;         // [rad]
+constexpr double far_rotation = 0.1;      // [rad], and
+constexpr double far_translation = 0.15;  // [m]: corrections of the prediction that ask for better support
+constexpr double fastest_turn = 4.0;      // [rad/s], and
+constexpr double fastest_way = 3.0;       // [m/s]: changes of the motion beyond which a result is not believed
+constexpr double far_share = 0.3;         // of the usual share of matches
 constexpr int longest_blindness = 5;      // scans without registration over which the motion is believed to go on
 constexpr double covariance_scale = 9.0;  // points on one surface share its errors: their residuals are not independent
 
@@ -27,11 +33,9 @@ constexpr double covariance_scale = 9.0;  // points on one surface share its err
 std::vector<Point> thinned(const std::vector<Point>& points, double leaf) {
   if (leaf <= 0) return points;
   std::vector<Point> kept;
-  VoxelIndex seen(leaf);
+  VoxelSet seen(leaf, points.size());
   for (const Point& p : points) {
-    const std::size_t before = seen.size();
-    seen.find_or_add(seen.key(p.position().cast<double>()));
-    if (seen.size() > before) kept.push_back(p);
+    if (seen.insert(p.x, p.y, p.z)) kept.push_back(p);
   }
   return kept;
 }
@@ -118,16 +122,30 @@ RigidAlignmentResult LidarOdometry::align(const WindowScan& scan) const {
   RigidAlignmentResult best = align_rigidly(map_, points, options);
   const bool far_ahead = scan.end - window_.back().end > long_gap;
   if (!far_ahead && best.inlier_share >= poor_share * usual_share_) return best;
-  // The prediction was far off (a scan after a gap, a jerk): look around for a better start.
-  options.reach = Reach::neighbours;
-  options.kernel_begin = 1.5;
-  options.iterations = 12;
+  // The prediction was far off (a scan after a gap, a jerk): look around for a better start with few of the points, and align all of them from the
+  // best.
+  std::vector<SeenPoint> few;
+  for (std::size_t i = 0; i < points.size(); i += 4) few.push_back(points[i]);
+  RigidAlignmentOptions search = options;
+  search.reach = Reach::neighbours;
+  search.kernel_begin = 1.5;
+  search.iterations = 10;
+  RigidAlignmentResult found;
   for (const Pose& start : other_starts(scan)) {
-    options.start = start;
-    const RigidAlignmentResult other = align_rigidly(map_, points, options);
-    if (other.support > clearly_better * best.support) best = other;
+    search.start = start;
+    const RigidAlignmentResult other = align_rigidly(map_, few, search);
+    if (plausible(scan, other) && other.support > found.support) found = other;
   }
+  options.start = found.correction;
+  found = align_rigidly(map_, points, options);
+  if (plausible(scan, found) && found.support > clearly_better * best.support) best = found;
   return best;
+}
+
+// A correction that a walking or driving robot can have needed since the last scan that was understood.
+bool LidarOdometry::plausible(const WindowScan& scan, const RigidAlignmentResult& alignment) const {
+  const double blind = scan.end - trusted_until_;
+  return alignment.rotation < far_rotation + fastest_turn * blind && alignment.translation < far_translation + fastest_way * blind;
 }
 
 // Corrections of the prediction to try: the predicted motion or none since the last scan, each turned to the left and right.
@@ -223,19 +241,25 @@ FinalScan LidarOdometry::leave_window() {
   return final;
 }
 
-// A result that the points don't support is a jump: the prediction is kept and the map isn't touched.
-void LidarOdometry::judge(WindowScan& scan, const WindowResult& solved, const Knots& predicted) {
-  if (solved.inlier_share >= params_.motion.min_inliers) {
+// A result that the points don't support is a jump: the prediction is kept and the map isn't touched. A scan that ended far from its prediction must
+// be supported better than one that is where it was expected (a doorway shows little that is known).
+void LidarOdometry::judge(WindowScan& scan, const WindowResult& solved, const RigidAlignmentResult& alignment, const Knots& predicted) {
+  const bool far = alignment.rotation > far_rotation || alignment.translation > far_translation;
+  const double needed = std::max(params_.motion.min_inliers, far ? far_share * usual_share_ : 0.0);
+  if (solved.inlier_share >= needed && plausible(scan, alignment)) {
+    trusted_until_ = scan.end;
     untrusted_ = 0;
     usual_share_ += 0.2 * (solved.inlier_share - usual_share_);
     return;
   }
   // A short blindness is bridged by the prediction; a longer one, or one after a gap, must not run away.
+  knots_ = predicted;
   const double before = window_.size() > 1 ? window_[window_.size() - 2].end : scan.begin;
-  const Knot held{before, pose_at(knots_, before)};
-  const bool keep_moving = untrusted_ < longest_blindness && scan.end - before < long_gap;
-  for (std::size_t i = 0; i < knots_.size(); ++i) {
-    if (knots_[i].time > held.time + 1e-9) knots_[i].pose = keep_moving ? predicted[i].pose : held.pose;
+  const Pose held = pose_at(knots_, before);
+  if (untrusted_ >= longest_blindness || scan.end - before > long_gap) {
+    for (Knot& knot : knots_) {
+      if (knot.time > before + 1e-9) knot.pose = held;
+    }
   }
   ++untrusted_;
   scan.enters_map = untrusted_ > longest_distrust;
@@ -289,7 +313,7 @@ MotionOutput LidarOdometry::process(const CloudPtr& cloud) {
     window_.push_back(scan);
     solved = solve(alignment);
     WindowScan& newest = window_.back();
-    judge(newest, solved, predicted);
+    judge(newest, solved, alignment, predicted);
     const auto size = solved.information.rows();
     if (size >= 6) {
       // The newest knot's covariance, from odom's axes about the sensor into the base's.

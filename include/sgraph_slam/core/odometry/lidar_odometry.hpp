@@ -39,10 +39,11 @@ class LidarOdometry : public MotionSource {
   void begin_map(const WindowScan& scan);
   void bootstrap(const WindowScan& scan);
   [[nodiscard]] RigidAlignmentResult align(const WindowScan& scan) const;
+  [[nodiscard]] bool plausible(const WindowScan& scan, const RigidAlignmentResult& alignment) const;
   [[nodiscard]] std::vector<Pose> other_starts(const WindowScan& scan) const;
   WindowResult solve(const RigidAlignmentResult& alignment);
   [[nodiscard]] std::vector<Keypoint> keypoints_in_window() const;
-  void judge(WindowScan& scan, const WindowResult& solved, const Knots& predicted);
+  void judge(WindowScan& scan, const WindowResult& solved, const RigidAlignmentResult& alignment, const Knots& predicted);
   [[nodiscard]] OdometryEstimate live_estimate(const WindowScan& scan, const WindowResult& solved) const;
   FinalScan leave_window();
   void insert(const WindowScan& scan);
@@ -60,6 +61,7 @@ class LidarOdometry : public MotionSource {
   std::vector<WindowScan> window_;    // one or two scans
   bool moving_known_ = false;         // the motion during the first scan has been found
   int untrusted_ = 0;                 // scans in a row that the map didn't explain
+  double trusted_until_ = 0;          // end of the last scan that the map explained
   double usual_share_ = 0;            // of points that match, over the last scans
 };
 

@@ -18,11 +18,17 @@ class VoxelIndex {
 
   explicit VoxelIndex(double edge) : inverse_edge_(1.0 / edge), slots_(1024) {}
 
+  /// The point in the grid's axes: those of a cube that stands on a corner, so that no wall, floor or ceiling of a building lies along the voxels'
+  /// borders, where its points would be told apart by their noise.
+  [[nodiscard]] static Eigen::Vector3d in_grid(const Eigen::Vector3d& p) {
+    constexpr double a = 0.70710678, b = 0.40824829, c = 0.57735027;  // 1 / sqrt(2), 1 / sqrt(6), 1 / sqrt(3)
+    return {a * p.x() + b * p.y() + c * p.z(), -a * p.x() + b * p.y() + c * p.z(), -2 * b * p.y() + c * p.z()};
+  }
+
   [[nodiscard]] std::uint64_t key(const Eigen::Vector3d& p) const {
-    const auto part = [this](double c) {
-      return static_cast<std::uint64_t>(static_cast<std::int64_t>(std::floor(c * inverse_edge_)) + (1 << 20)) & 0x1FFFFF;
-    };
-    return part(p.x()) | part(p.y()) << 21 | part(p.z()) << 42;
+    const auto part = [](double cell) { return static_cast<std::uint64_t>(static_cast<std::int64_t>(std::floor(cell)) + (1 << 20)) & 0x1FFFFF; };
+    const Eigen::Vector3d cell = inverse_edge_ * in_grid(p);
+    return part(cell.x()) | part(cell.y()) << 21 | part(cell.z()) << 42;
   }
 
   /// Index of the voxel, or `none`.

@@ -1,0 +1,75 @@
+#include "sgraph_slam/core/odometry/keyframe_selector.hpp"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Cholesky>
+
+#include "sgraph_slam/core/math/so3.hpp"
+
+namespace sgraph {
+namespace {
+
+FinalScan scan_at(int i, double x, double yaw) {
+  auto cloud = std::make_shared<Cloud>();
+  cloud->stamp = Stamp::from_seconds(0.1 * i);
+  Point point;  // one point, fixed at (5, 0, 0) of odom
+  const Pose T{so3_exp({0, 0, yaw}), Eigen::Vector3d(x, 0, 0)};
+  const Eigen::Vector3f p = (T.inverse() * Eigen::Vector3d(5, 0, 0)).cast<float>();
+  point.x = p.x();
+  point.y = p.y();
+  cloud->points.push_back(point);
+  return {cloud->stamp, T, 1e-6 * Matrix6::Identity(), {}, cloud};
+}
+
+TEST(KeyframeSelector, EveryScanBelongsToExactlyOneKeyframe) {
+  KeyframeParams params;
+  KeyframeSelector selector(params, {});
+  std::vector<Keyframe> keyframes;
+  for (int i = 0; i < 100; ++i) {
+    if (auto keyframe = selector.add(scan_at(i, 0.07 * i, 0))) keyframes.push_back(*keyframe);
+  }
+  if (auto keyframe = selector.finish()) keyframes.push_back(*keyframe);
+  std::vector<Stamp> stamps;
+  for (std::size_t k = 0; k < keyframes.size(); ++k) {
+    EXPECT_EQ(keyframes[k].id.value, static_cast<std::int64_t>(k));
+    for (const StampedPose& s : keyframes[k].scans) stamps.push_back(s.stamp);
+    EXPECT_EQ(keyframes[k].scans.back().stamp, keyframes[k].stamp);
+    EXPECT_EQ(Eigen::LLT<Matrix6>(keyframes[k].covariance).info(), Eigen::Success);
+  }
+  ASSERT_EQ(stamps.size(), 100U);
+  for (int i = 0; i < 100; ++i) EXPECT_EQ(stamps[static_cast<std::size_t>(i)], Stamp::from_seconds(0.1 * i));
+  // 0.07 m a scan: 11 scans are the first way of at least 0.75 m. The first scan is a keyframe of its own.
+  EXPECT_EQ(keyframes[1].scans.size(), 11U);
+}
+
+TEST(KeyframeSelector, ClosesByAngleAndByTime) {
+  KeyframeParams params;
+  params.angle = 0.5;
+  KeyframeSelector by_angle(params, {});
+  int closed = 0;
+  for (int i = 0; i < 11; ++i) closed += by_angle.add(scan_at(i, 0, 0.101 * i)).has_value();
+  EXPECT_EQ(closed, 3);  // at 0, 0.505 and 1.01 rad
+
+  params.time = 0.5;
+  KeyframeSelector by_time(params, {});
+  closed = 0;
+  for (int i = 0; i < 11; ++i) closed += by_time.add(scan_at(i, 0, 0)).has_value();
+  EXPECT_EQ(closed, 3);
+}
+
+TEST(KeyframeSelector, PutsScansTogetherInTheLastOnesFrame) {
+  KeyframeParams params;
+  params.leaf = 0.02;
+  KeyframeSelector selector(params, {});
+  selector.add(scan_at(0, 0, 0));
+  std::optional<Keyframe> keyframe;
+  for (int i = 1; !keyframe; ++i) keyframe = selector.add(scan_at(i, 0.1 * i, 0.02 * i));
+  // Every scan saw the same point: one remains, where the last scan sees it.
+  const FinalScan last = scan_at(static_cast<int>(keyframe->scans.size()), 0.1 * static_cast<double>(keyframe->scans.size()),
+                                 0.02 * static_cast<double>(keyframe->scans.size()));
+  ASSERT_EQ(keyframe->cloud->size(), 1U);
+  EXPECT_LT((keyframe->cloud->points[0].position() - last.cloud->points[0].position()).norm(), 1e-4F);
+}
+
+}  // namespace
+}  // namespace sgraph

@@ -1,0 +1,192 @@
+#include "sgraph_slam/core/odometry/odometry.hpp"
+
+#include <gtest/gtest.h>
+
+#include "sgraph_slam/core/math/se3.hpp"
+#include "sgraph_slam/core/math/so3.hpp"
+#include "sgraph_slam/core/prefilter/prefilter.hpp"
+#include "sgraph_slam/core/sim/simulator.hpp"
+
+namespace sgraph {
+namespace {
+
+struct Outcome {
+  Trajectory live;
+  Trajectory finals;
+  std::vector<OdometryEstimate> estimates;
+  std::vector<Keyframe> keyframes;
+};
+
+sim::SimulatedScans demo(int count, sim::LidarSettings settings = {}, int first = 0) {
+  static const sim::World world = sim::read_world("worlds/demo.yaml");
+  return sim::simulate_scans(world, count, settings, first);
+}
+
+void take(Outcome& run, const OdometryOutput& output) {
+  run.finals.insert(run.finals.end(), output.finals.begin(), output.finals.end());
+  run.keyframes.insert(run.keyframes.end(), output.keyframes.begin(), output.keyframes.end());
+}
+
+Outcome run_odometry(const std::vector<CloudPtr>& scans, const Pose& T_base_lidar, const OdometryParams& params = {}) {
+  const Prefilter prefilter({});
+  Odometry odometry(params, T_base_lidar);
+  Outcome run;
+  for (const CloudPtr& scan : scans) {
+    const OdometryOutput output = odometry.process(prefilter.process(*scan).cloud);
+    EXPECT_EQ(output.verdict, ScanVerdict::accepted);
+    run.live.push_back({output.live.stamp, output.live.T_odom_base});
+    run.estimates.push_back(output.live);
+    take(run, output);
+  }
+  take(run, odometry.finish());
+  return run;
+}
+
+// Largest distance from the truth, both starting at the origin.
+double worst_error(const Trajectory& estimate, const Trajectory& truth) {
+  double worst = 0;
+  for (const StampedPose& p : estimate) {
+    const Pose expected = pose_at(truth, estimate.front().stamp).inverse() * pose_at(truth, p.stamp);
+    worst = std::max(worst, (expected.translation - (estimate.front().pose.inverse() * p.pose).translation).norm());
+  }
+  return worst;
+}
+
+TEST(Odometry, FollowsAWalkingRobotToACentimetre) {
+  const auto scans = demo(180);
+  const Outcome run = run_odometry(scans.scans, scans.T_base_lidar);
+  EXPECT_LT(worst_error(run.finals, scans.truth), 0.03);
+  EXPECT_LT(worst_error(run.live, scans.truth), 0.05);
+  ASSERT_EQ(run.finals.size(), scans.scans.size());
+  for (std::size_t i = 0; i < scans.scans.size(); ++i) EXPECT_EQ(run.finals[i].stamp, scans.scans[i]->stamp);
+  EXPECT_GT(run.keyframes.size(), 5U);
+}
+
+TEST(Odometry, BothStampConventionsGiveTheSameMotion) {
+  sim::LidarSettings settings;
+  settings.stamp = sim::StampConvention::first;
+  const auto first = demo(100, settings, 40);
+  settings.stamp = sim::StampConvention::last;
+  const auto last = demo(100, settings, 40);
+  EXPECT_LT(worst_error(run_odometry(first.scans, first.T_base_lidar).finals, first.truth), 0.04);
+  EXPECT_LT(worst_error(run_odometry(last.scans, last.T_base_lidar).finals, last.truth), 0.04);
+}
+
+TEST(Odometry, StartsWhileMoving) {
+  const auto scans = demo(60, {}, 120);
+  ASSERT_GT((scans.truth[20].pose.translation - scans.truth[0].pose.translation).norm(), 0.5) << "the robot must be under way";
+  EXPECT_LT(worst_error(run_odometry(scans.scans, scans.T_base_lidar).finals, scans.truth), 0.03);
+}
+
+TEST(Odometry, WithoutPointTimesOnePoseAScan) {
+  sim::LidarSettings settings;
+  settings.motion_distortion = false;
+  auto scans = demo(150, settings, 40);
+  for (CloudPtr& scan : scans.scans) {
+    auto timeless = std::make_shared<Cloud>(*scan);
+    for (Point& point : timeless->points) point.time = 0;
+    scan = timeless;
+  }
+  EXPECT_LT(worst_error(run_odometry(scans.scans, scans.T_base_lidar).finals, scans.truth), 0.04);
+}
+
+TEST(Odometry, SameScansSameResult) {
+  const auto scans = demo(40, {}, 60);
+  const Outcome a = run_odometry(scans.scans, scans.T_base_lidar);
+  const Outcome b = run_odometry(scans.scans, scans.T_base_lidar);
+  for (std::size_t i = 0; i < a.finals.size(); ++i) {
+    EXPECT_EQ(a.finals[i].pose.translation, b.finals[i].pose.translation);
+    EXPECT_EQ(a.finals[i].pose.rotation.coeffs(), b.finals[i].pose.rotation.coeffs());
+  }
+}
+
+TEST(Odometry, AStandstillDoesNotDrift) {
+  const auto scans = demo(1);
+  std::vector<CloudPtr> repeated;
+  sim::LidarSettings settings;
+  for (int i = 0; i < 200; ++i) {
+    settings.seed = static_cast<std::uint64_t>(1 + i % 10);
+    static std::vector<CloudPtr> noisy(10);
+    CloudPtr& scan = noisy[static_cast<std::size_t>(i % 10)];
+    if (scan == nullptr) scan = demo(1, settings).scans.front();
+    auto copy = std::make_shared<Cloud>(*scan);
+    copy->stamp = scans.scans.front()->stamp.after(0.1 * i);
+    repeated.push_back(copy);
+  }
+  const Outcome run = run_odometry(repeated, scans.T_base_lidar);
+  EXPECT_LT(run.finals.back().pose.translation.norm(), 0.005);
+  EXPECT_LT(so3_log(run.finals.back().pose.rotation).norm(), 0.02 * M_PI / 180 * 5);
+}
+
+TEST(Odometry, RefusesWhatCannotBeUsedAndGoesOn) {
+  const auto scans = demo(30, {}, 60);
+  const Prefilter prefilter({});
+  Odometry odometry({}, scans.T_base_lidar);
+  EXPECT_EQ(odometry.process(std::make_shared<Cloud>()).verdict, ScanVerdict::too_few_points);
+  Trajectory live;
+  for (std::size_t i = 0; i < scans.scans.size(); ++i) {
+    const CloudPtr scan = prefilter.process(*scans.scans[i]).cloud;
+    const OdometryOutput output = odometry.process(scan);
+    ASSERT_EQ(output.verdict, ScanVerdict::accepted);
+    EXPECT_TRUE(output.live.T_odom_base.translation.allFinite());
+    EXPECT_TRUE(output.live.covariance.allFinite());
+    live.push_back({output.live.stamp, output.live.T_odom_base});
+    EXPECT_EQ(odometry.process(scan).verdict, ScanVerdict::not_later) << "a repeated message";
+    const CloudPtr older = prefilter.process(*scans.scans[i > 0 ? i - 1 : 0]).cloud;
+    EXPECT_EQ(odometry.process(older).verdict, ScanVerdict::not_later);
+    if (i == 15) {
+      auto few = std::make_shared<Cloud>(*scan);
+      few->points.resize(5);
+      few->stamp = few->stamp.after(0.05);
+      EXPECT_EQ(odometry.process(few).verdict, ScanVerdict::too_few_points);
+    }
+  }
+  EXPECT_LT(worst_error(live, scans.truth), 0.05);
+}
+
+// Scans that show something else entirely (a cover over the sensor) must not throw the pose away nor enter the map.
+TEST(Odometry, BridgesScansThatTheMapCannotExplain) {
+  auto scans = demo(80, {}, 60);
+  for (std::size_t i = 30; i < 33; ++i) {
+    auto cover = std::make_shared<Cloud>(*scans.scans[i]);
+    for (Point& point : cover->points) {
+      const float length = point.position().norm();
+      point.x *= 1.0F / length;
+      point.y *= 1.0F / length;
+      point.z *= 1.0F / length;
+    }
+    scans.scans[i] = cover;
+  }
+  const Outcome run = run_odometry(scans.scans, scans.T_base_lidar);
+  EXPECT_EQ(run.estimates[31].status, OdometryStatus::predicted);
+  EXPECT_EQ(run.estimates.back().status, OdometryStatus::tracked);
+  EXPECT_LT(worst_error({run.live.begin(), run.live.begin() + 29}, scans.truth), 0.03);
+  EXPECT_LT(worst_error(run.live, scans.truth), 0.2);
+}
+
+TEST(Odometry, InterpolatesTheRobotsOdometry) {
+  OdometryParams params;
+  params.source = "topic";
+  Odometry odometry(params, {Eigen::Quaterniond::Identity(), {0.1, 0, 0.2}});
+  const auto scan_at = [](double time) {
+    auto cloud = std::make_shared<Cloud>();
+    cloud->stamp = Stamp::from_seconds(time);
+    cloud->points.resize(100);
+    for (Point& point : cloud->points) point.x = 2;
+    return cloud;
+  };
+  EXPECT_EQ(odometry.process(scan_at(0.1)).verdict, ScanVerdict::no_odometry);
+  for (int i = 0; i <= 100; ++i) {
+    const double time = 0.02 * i;
+    odometry.add(OdometrySample{Stamp::from_seconds(time), {so3_exp({0, 0, 0.5 * time}), {time, 0, 0}}, Matrix6::Identity()});
+  }
+  const OdometryOutput output = odometry.process(scan_at(0.11));
+  ASSERT_EQ(output.verdict, ScanVerdict::accepted);
+  EXPECT_EQ(output.live.status, OdometryStatus::external);
+  EXPECT_NEAR(output.live.T_odom_base.translation.x(), 0.11, 1e-3);
+  EXPECT_NEAR(yaw_of(output.live.T_odom_base.rotation), 0.055, 1e-3);
+  EXPECT_EQ(odometry.process(scan_at(5.0)).verdict, ScanVerdict::no_odometry);
+}
+
+}  // namespace
+}  // namespace sgraph
