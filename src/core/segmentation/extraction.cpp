@@ -19,24 +19,27 @@ PointSet thinned(const PointSet& points) {
   VoxelSet taken(sample_leaf, points.size());
   PointSet sample;
   for (std::size_t i = 0; i < points.size(); ++i) {
-    if (taken.insert(points.x[i], points.y[i], points.z[i])) sample.add(points.position(i), points.view[i], static_cast<std::uint32_t>(i));
+    if (taken.insert(points.x[i], points.y[i], points.z[i]))
+      sample.add(points.position(i), points.closeness[i], points.view[i], static_cast<std::uint32_t>(i));
   }
+  sample.bound_blocks();
   return sample;
 }
 
 // A small piece belongs to a wall when it lies as the wall does: the strip that a plane cuts out of clutter is spread evenly between the limits
-// (rms 1.7 sigma), or lies to one side.
-bool lies_on(const PointSet& points, const Piece& piece, const Surface& surface) {
+// (rms 1.4 times the noise), or lies to one side.
+bool lies_on(const PointSet& points, const std::vector<Eigen::Vector3f>& viewpoints, const Piece& piece, const Surface& surface, double noise) {
   if (piece.members.size() < 8) return false;
   const PlaneF plane(surface.plane);
+  const Facing facing(plane, viewpoints);
   double sum = 0, sum2 = 0;
   for (const std::uint32_t i : piece.members) {
-    const double r = points.distance(plane, i);
+    const double r = points.distance(plane, i) / Limits::share(facing.cosine(points, i));
     sum += r;
     sum2 += r * r;
   }
   const auto n = static_cast<double>(piece.members.size());
-  return std::abs(sum / n) < 0.5 * surface.sigma && std::sqrt(sum2 / n) < 1.3 * surface.sigma;
+  return std::abs(sum / n) < 0.5 * noise && std::sqrt(sum2 / n) < 1.3 * noise;
 }
 
 class Search {
@@ -71,7 +74,7 @@ class Search {
 
   void set_noise(double noise) {
     limits_.noise = noise;
-    threshold_ = static_cast<float>(limits_.distance(noise));
+    threshold_ = limits_.distance(noise)(1.0F);
   }
 
   float support(const PlaneF& plane) const { return score(sample_, plane, threshold_, Facing(plane, viewpoints_)); }
@@ -139,7 +142,7 @@ class Search {
       Surface surface;
       surface.plane = plane.exact();
       surface.members = piece.members;
-      if (piece.members.size() >= static_cast<std::size_t>(params_.min_points) && fit_trimmed(points_, limits_, surface) &&
+      if (piece.members.size() >= static_cast<std::size_t>(params_.min_points) && fit_trimmed(points_, viewpoints_, limits_, surface) &&
           large_enough(points_, surface, limits_)) {
         found.push_back(std::move(surface));
         parts.push_back({&piece});
@@ -149,7 +152,9 @@ class Search {
     }
     for (const Piece* piece : rest) {
       for (std::size_t k = 0; k < found.size(); ++k) {
-        if (gap_between(parts[k].front()->box, piece->box) > static_cast<float>(params_.merge_gap) || !lies_on(points_, *piece, found[k])) continue;
+        if (gap_between(parts[k].front()->box, piece->box) > static_cast<float>(params_.merge_gap) ||
+            !lies_on(points_, viewpoints_, *piece, found[k], limits_.noise))
+          continue;
         parts[k].push_back(piece);
         break;
       }
@@ -166,7 +171,7 @@ class Search {
     const PlaneF plane(surface.plane);
     const Facing facing(plane, viewpoints_);
     std::vector<std::uint32_t> near;
-    collect(points_, plane, 1.5F * static_cast<float>(limits_.distance(surface.sigma)), facing, near);
+    collect_on(points_, plane, facing, limits_, surface.noise, 1.5F, near);
     for (const std::uint32_t i : near) {
       if (surface.covers(points_.position(i))) free_[i] = 0;
     }
@@ -189,28 +194,39 @@ class Search {
 
 }  // namespace
 
-double Limits::distance(double sigma) const {
-  return std::min(std::max(params.threshold_sigmas * std::max(sigma, noise), params.min_threshold), params.max_threshold);
-}
-
 double Limits::rms() const { return std::min(std::max(1.4 * noise, 0.01), params.max_rms); }
 
-bool fit_trimmed(const PointSet& points, const Limits& limits, Surface& surface) {
-  const Eigen::Vector3d facing = surface.plane.normal;
+void collect_on(const PointSet& points, const PlaneF& plane, const Facing& facing, const Limits& limits, double surface_noise, float factor,
+                std::vector<std::uint32_t>& inliers) {
+  const Limits::Distance limit = limits.distance(surface_noise);
+  collect(points, plane, factor * limit(1.0F), facing, inliers);
+  const auto beyond = [&](std::uint32_t i) { return std::abs(points.distance(plane, i)) > factor * limit(facing.cosine(points, i)); };
+  inliers.erase(std::remove_if(inliers.begin(), inliers.end(), beyond), inliers.end());
+}
+
+bool fit_trimmed(const PointSet& points, const std::vector<Eigen::Vector3f>& viewpoints, const Limits& limits, Surface& surface) {
+  const Eigen::Vector3d side = surface.plane.normal;
   const std::vector<std::uint32_t> all = surface.members;
   for (int step = 0; step < 4; ++step) {
     surface.scatter = scatter_of(points, surface.members);
     const PlaneFit fit = fit_plane(surface.scatter);
     if (!fit.valid) return false;
     surface.plane = fit.plane;
-    if (surface.plane.normal.dot(facing) < 0) surface.plane = {-fit.plane.normal, -fit.plane.d};
+    if (surface.plane.normal.dot(side) < 0) surface.plane = {-fit.plane.normal, -fit.plane.d};
     surface.sigma = std::sqrt(mean_squared_distance(surface.scatter, surface.plane));
-    if (step == 3) break;
     const PlaneF plane(surface.plane);
-    const auto limit = static_cast<float>(limits.distance(surface.sigma));
+    const Facing facing(plane, viewpoints);
+    double sum = 0;
+    for (const std::uint32_t i : surface.members) {
+      const double r = points.distance(plane, i) / Limits::share(facing.cosine(points, i));
+      sum += r * r;
+    }
+    surface.noise = std::sqrt(sum / static_cast<double>(surface.members.size()));
+    if (step == 3) break;
+    const Limits::Distance limit = limits.distance(surface.noise);
     surface.members.clear();
     for (const std::uint32_t i : all) {
-      if (std::abs(points.distance(plane, i)) <= limit) surface.members.push_back(i);
+      if (std::abs(points.distance(plane, i)) <= limit(facing.cosine(points, i))) surface.members.push_back(i);
     }
   }
   return true;
@@ -218,10 +234,12 @@ bool fit_trimmed(const PointSet& points, const Limits& limits, Surface& surface)
 
 bool large_enough(const PointSet& points, const Surface& surface, const Limits& limits) {
   const SegmentationParams& params = limits.params;
-  if (surface.members.size() < static_cast<std::size_t>(params.min_points) || surface.sigma > limits.rms()) return false;
+  if (surface.members.size() < static_cast<std::size_t>(params.min_points) || surface.noise > limits.rms()) return false;
   const PlaneFit fit = fit_plane(surface.scatter);
   // An even rectangle of length l has the standard deviation l / sqrt(12).
   if (!fit.valid || fit.spread[2] * std::sqrt(12.0) < params.min_length || fit.spread[1] * std::sqrt(12.0) < params.min_width) return false;
+  // However they are spread, points with these deviations reach out to an area of at least twice their product.
+  if (2 * fit.spread[1] * fit.spread[2] >= params.min_area) return true;
   return outline_area(outline(points, surface.members, surface.plane)) >= params.min_area;
 }
 

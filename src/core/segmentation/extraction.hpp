@@ -12,6 +12,7 @@ namespace sgraph {
 struct Surface {
   Plane plane;       ///< faces the viewpoints of its points
   double sigma = 0;  ///< rms of the members' distances [m]
+  double noise = 0;  ///< the same with each distance over its share of the noise, see Limits [m]
   Eigen::Matrix4d scatter = Eigen::Matrix4d::Zero();
   std::vector<std::uint32_t> members;  ///< positions in the point set, in order
   std::vector<Mask> masks;
@@ -21,22 +22,39 @@ struct Surface {
   }
 };
 
-/// What counts as on a plane, from the parameters and the noise of this cloud. A plane's own deviation is often smaller than the noise, as range
-/// noise hardly moves points along a wall seen at a grazing angle; the same wall's nearest points are seen head-on and have all of it. So the noise
-/// bounds the limit from below: a tighter one would cut off that end's points, and leave them to ghosts beside the wall.
+/// What counts as on a plane, from the parameters and the noise of this cloud. Noise moves a point along its ray, so that only the cosine of the
+/// angle of incidence of it is seen across the plane: the far end of a corridor's wall, seen at a grazing angle, looks ten times flatter than its
+/// near end. One limit for both would cut the near end's points off and leave them to ghosts beside the wall, or take in what stands near the far
+/// end.
 struct Limits {
+  static constexpr float least_share = 0.25F;  ///< what isn't range noise (motion, pointing) is the same at all angles
+
   const SegmentationParams& params;
   double noise = 0;  ///< standard deviation of points seen head-on [m]
 
-  /// Largest distance of an inlier from a plane whose points have this standard deviation [m].
-  [[nodiscard]] double distance(double sigma) const;
-  /// Largest standard deviation of a plane's points: what an even spread between the limits would have is clutter [m].
+  /// Share of the noise across a plane that a ray meets at this cosine.
+  static float share(float cosine) { return std::max(cosine, least_share); }
+  /// Largest distance of an inlier from a plane, by the cosine at which its ray meets it [m].
+  struct Distance {
+    float scale, low, high;
+    [[nodiscard]] float operator()(float cosine) const { return std::min(std::max(scale * share(cosine), low), high); }
+  };
+  /// For a plane whose points have this noise; less than the cloud's isn't believed.
+  [[nodiscard]] Distance distance(double surface_noise) const {
+    return {static_cast<float>(params.threshold_sigmas * std::max(surface_noise, noise)), static_cast<float>(params.min_threshold),
+            static_cast<float>(params.max_threshold)};
+  }
+  /// Largest standard deviation of a plane's points over their shares: what an even spread between the limits would have is clutter [m].
   [[nodiscard]] double rms() const;
 };
 
+/// Positions in the set of the points on a plane, in order: within `factor` times the limit of each, and faced.
+void collect_on(const PointSet& points, const PlaneF& plane, const Facing& facing, const Limits& limits, double surface_noise, float factor,
+                std::vector<std::uint32_t>& inliers);
+
 /// Least-squares plane of the members, trimmed a few times to the points within its own threshold. The normal keeps to the side of the plane that the
 /// surface had. False, and the surface undefined, when fewer than three points remain or they lie on a line.
-bool fit_trimmed(const PointSet& points, const Limits& limits, Surface& surface);
+bool fit_trimmed(const PointSet& points, const std::vector<Eigen::Vector3f>& viewpoints, const Limits& limits, Surface& surface);
 
 /// Whether a surface is large, dense and flat enough for a plane.
 bool large_enough(const PointSet& points, const Surface& surface, const Limits& limits);

@@ -47,7 +47,7 @@ void join(Surface& a, Surface& b, const Plane& common) {
 
 struct Claims {
   std::vector<int> owner;       // the nearest surface, or -1
-  std::vector<float> distance;  // to it, in sigmas
+  std::vector<float> distance;  // to it, over its limit there
   std::vector<char> contested;  // it lies in another surface too
 };
 
@@ -58,11 +58,12 @@ Claims claims_of(const PointSet& points, const std::vector<Eigen::Vector3f>& vie
   for (std::size_t s = 0; s < surfaces.size(); ++s) {
     const Surface& surface = surfaces[s];
     const PlaneF plane(surface.plane);
-    const auto limit = static_cast<float>(limits.distance(surface.sigma));
-    collect(points, plane, limit, Facing(plane, viewpoints), near);
+    const Facing facing(plane, viewpoints);
+    const Limits::Distance limit = limits.distance(surface.noise);
+    collect_on(points, plane, facing, limits, surface.noise, 1.0F, near);
     for (const std::uint32_t i : near) {
       if (!surface.covers(points.position(i))) continue;
-      const float distance = std::abs(points.distance(plane, i)) / limit;
+      const float distance = std::abs(points.distance(plane, i)) / limit(facing.cosine(points, i));
       if (claims.owner[i] >= 0) {
         const Surface& other = surfaces[static_cast<std::size_t>(claims.owner[i])];
         if (std::abs(surface.plane.normal.dot(other.plane.normal)) < parallel) claims.contested[i] = 1;
@@ -109,7 +110,7 @@ std::vector<Surface> reassign(const PointSet& points, const std::vector<Eigen::V
   std::vector<Surface> kept;
   std::vector<int> number(surfaces.size(), -1);
   for (std::size_t s = 0; s < surfaces.size(); ++s) {
-    if (!fit_trimmed(points, limits, surfaces[s]) || !large_enough(points, surfaces[s], limits)) continue;
+    if (!fit_trimmed(points, viewpoints, limits, surfaces[s]) || !large_enough(points, surfaces[s], limits)) continue;
     number[s] = static_cast<int>(kept.size());
     kept.push_back(std::move(surfaces[s]));
   }

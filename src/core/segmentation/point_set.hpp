@@ -1,6 +1,7 @@
 #pragma once
 
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <vector>
 
@@ -23,11 +24,20 @@ struct PlaneF {
   [[nodiscard]] float distance(const Eigen::Vector3f& p) const { return normal.dot(p) + d; }
 };
 
-/// Points coordinate by coordinate, so that tests against a plane run several at a time; with the viewpoint each was seen from.
+/// Points coordinate by coordinate, so that tests against a plane run several at a time; with the viewpoint each was seen from. Neighbours in space
+/// are mostly neighbours in the arrays: a plane passes by most blocks of them.
 struct PointSet {
+  static constexpr std::size_t block_size = 64;
+  struct Block {
+    Eigen::Vector3f center = Eigen::Vector3f::Zero();
+    float radius = 0;
+  };
+
   std::vector<float> x, y, z;
+  std::vector<float> closeness;  ///< one over the distance to its viewpoint [1/m]
   std::vector<std::uint8_t> view;
   std::vector<std::uint32_t> index;  ///< in the cloud
+  std::vector<Block> blocks;         ///< balls around 64 points each, by bound_blocks()
 
   [[nodiscard]] std::size_t size() const { return x.size(); }
   [[nodiscard]] Eigen::Vector3f position(std::size_t i) const { return {x[i], y[i], z[i]}; }
@@ -35,26 +45,32 @@ struct PointSet {
     return plane.normal.x() * x[i] + plane.normal.y() * y[i] + plane.normal.z() * z[i] + plane.d;
   }
   void reserve(std::size_t count);
-  void add(const Eigen::Vector3f& p, std::uint8_t from, std::uint32_t at);
+  void add(const Eigen::Vector3f& p, float one_over_distance, std::uint8_t from, std::uint32_t at);
+  void bound_blocks();
   /// Drops the points whose flag isn't set; the others keep their order.
   void keep(const std::vector<char>& flags);
 };
 
-/// The finite points of the cloud, each with the viewpoint nearest in time. At most 256 viewpoints.
+/// The finite points of the cloud in an order that keeps neighbours together, each with the viewpoint nearest in time. At most 256 viewpoints.
 PointSet point_set(const Cloud& cloud, const std::vector<Viewpoint>& viewpoints);
 
-/// On which viewpoints' side of a plane the normal points.
+/// How the viewpoints lie to a plane.
 class Facing {
  public:
-  Facing(const PlaneF& plane, const std::vector<Eigen::Vector3f>& viewpoints) : sees_(viewpoints.size()) {
-    for (std::size_t k = 0; k < viewpoints.size(); ++k) sees_[k] = plane.distance(viewpoints[k]) > 0 ? 1 : 0;
-    all_ = std::find(sees_.begin(), sees_.end(), 0) == sees_.end();
+  Facing(const PlaneF& plane, const std::vector<Eigen::Vector3f>& viewpoints) : distances_(viewpoints.size()) {
+    for (std::size_t k = 0; k < viewpoints.size(); ++k) distances_[k] = plane.distance(viewpoints[k]);
+    all_ = *std::min_element(distances_.begin(), distances_.end()) > 0;
   }
+  /// Whether the normal points to all viewpoints, to this one.
   [[nodiscard]] bool all() const { return all_; }
-  [[nodiscard]] bool from(std::uint8_t viewpoint) const { return sees_[viewpoint] != 0; }
+  [[nodiscard]] bool from(std::uint8_t viewpoint) const { return distances_[viewpoint] > 0; }
+  /// Cosine of the angle between the normal and the ray to the i-th point, taken to lie on the plane; at most 1.
+  [[nodiscard]] float cosine(const PointSet& points, std::size_t i) const {
+    return std::min(std::abs(distances_[points.view[i]]) * points.closeness[i], 1.0F);
+  }
 
  private:
-  std::vector<char> sees_;
+  std::vector<float> distances_;
   bool all_ = false;
 };
 

@@ -16,7 +16,7 @@ struct SegmentationParams {
   double min_length = 0.6;
   double min_width = 0.25;
   double min_area = 0.3;
-  double max_rms = 0.05;
+  double max_rms = 0.07;
   int seeds = 400;
 
   void describe(ParamVisitor& v) {
@@ -35,7 +35,7 @@ struct SegmentationParams {
     v.field("min_width", min_width, "m", {0.01, 100},
             "Smallest plane, along its shorter side; narrower ones are edges, or single stripes, that hold no normal.");
     v.field("min_area", min_area, "m^2", {0, 1000}, "Smallest plane, in the area of its outline.");
-    v.field("max_rms", max_rms, "m", {0.001, 1}, "Rougher surfaces are no planes.");
+    v.field("max_rms", max_rms, "m", {0.001, 1}, "Rougher surfaces are no planes, whatever the noise.");
     v.field("seeds", seeds, "", {10, 100000}, "Places where planes are looked for, at most, in each of up to three rounds.");
   }
 };
