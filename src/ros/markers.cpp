@@ -17,10 +17,10 @@ struct Color {
 
 constexpr Color keyframe_color{0.20F, 0.65F, 1.00F, 1.0F};
 constexpr Color path_color{0.10F, 0.45F, 0.85F, 1.0F};
-constexpr Color x_color{0.95F, 0.45F, 0.25F, 0.85F};
-constexpr Color y_color{0.30F, 0.75F, 0.40F, 0.85F};
+constexpr Color x_color{0.95F, 0.45F, 0.25F, 0.5F};
+constexpr Color y_color{0.30F, 0.75F, 0.40F, 0.5F};
 constexpr Color horizontal_color{0.60F, 0.60F, 0.65F, 0.9F};
-constexpr Color other_color{0.80F, 0.70F, 0.30F, 0.85F};
+constexpr Color other_color{0.80F, 0.70F, 0.30F, 0.5F};
 constexpr Color room_color{0.95F, 0.30F, 0.75F, 1.0F};
 constexpr Color corridor_color{0.95F, 0.80F, 0.20F, 1.0F};
 constexpr Color opening_color{0.90F, 0.90F, 0.90F, 1.0F};
@@ -126,6 +126,7 @@ class Drawing {
     face.id = static_cast<int>(plane.id.value);
     for (std::size_t i = 2; i < plane.extent.size(); ++i)
       for (const std::size_t corner : {std::size_t{0}, i - 1, i}) face.points.push_back(at(plane.extent[corner], planes_lift_));
+    face.colors.assign(face.points.size(), face.color);  // rviz lights a face without them from one side only
     array_.markers.push_back(face);
   }
 
@@ -146,7 +147,7 @@ class Drawing {
 
   void place(const std::string& name, int id, const Eigen::Vector3d& center, const std::vector<PlaneId>& planes, const Color& color,
              const char* label) {
-    Marker node = marker(name, Marker::CUBE, color, 0.7);
+    Marker node = marker(name, Marker::CUBE, color, 0.6);
     node.id = id;
     node.pose.position = at(center, places_lift_);
     array_.markers.push_back(node);
@@ -161,9 +162,9 @@ class Drawing {
     }
     if (!lines.points.empty()) array_.markers.push_back(lines);
 
-    Marker text = marker(name + "_labels", Marker::TEXT_VIEW_FACING, text_color, 0.7);
+    Marker text = marker(name + "_labels", Marker::TEXT_VIEW_FACING, text_color, 0.5);
     text.id = id;
-    text.pose.position = at(center, places_lift_ + 1.4);
+    text.pose.position = at(center, places_lift_ + 1.1);
     text.text = label;
     array_.markers.push_back(text);
   }

@@ -23,7 +23,7 @@ struct RosSettings {
   double tf_rate = 20;
   double tf_lookahead = 0.1;
   double map_leaf = 0.1;
-  double layer_height = 6;
+  double layer_height = 7;
 
   void describe(ParamVisitor& v);
 };

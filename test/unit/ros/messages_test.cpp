@@ -234,6 +234,36 @@ TEST(Messages, RefusesWhatIsNotANumberOrNotAUnit) {
   EXPECT_FALSE(from_message(graph));
 }
 
+TEST(Messages, StatusComesBack) {
+  Draw draw(3);
+  for (const OdometryStatus status : {OdometryStatus::started, OdometryStatus::tracked, OdometryStatus::predicted, OdometryStatus::external}) {
+    OdometryEstimate sent;
+    sent.stamp = {1'700'000'000'000'000'007};
+    sent.status = status;
+    sent.inlier_share = draw.number();
+    sent.residual_rms = draw.number();
+    sent.keypoints = 1234;
+    sent.iterations = 5;
+    sent.degenerate = {draw.direction(), draw.direction()};
+    const auto back = from_message(to_status_message(ScanVerdict::accepted, sent, "odom"));
+    ASSERT_TRUE(back);
+    EXPECT_EQ(back->stamp, sent.stamp);
+    EXPECT_EQ(back->status, status);
+    EXPECT_EQ(back->inlier_share, sent.inlier_share);
+    EXPECT_EQ(back->residual_rms, sent.residual_rms);
+    EXPECT_EQ(back->keypoints, 1234);
+    EXPECT_EQ(back->iterations, 5);
+    EXPECT_EQ(back->degenerate, sent.degenerate);
+  }
+}
+
+TEST(Messages, StatusOfARefusedScanSaysWhy) {
+  const auto message = to_status_message(ScanVerdict::too_few_points, {}, "odom");
+  EXPECT_FALSE(message.accepted);
+  EXPECT_EQ(message.verdict, to_string(ScanVerdict::too_few_points));
+  EXPECT_FALSE(from_message(message));
+}
+
 TEST(Messages, OdometryCovarianceIsAboutTheFixedAxes) {
   OdometryEstimate estimate;
   estimate.T_odom_base = {Eigen::Quaterniond(Eigen::AngleAxisd(M_PI / 2, Eigen::Vector3d::UnitZ())), {1, 2, 3}};  // base x is odom y
