@@ -13,7 +13,10 @@ namespace {
 constexpr double sample_leaf = 0.12;  // the search runs on points thinned to this: support then counts area, not nearness [m]
 constexpr int rounds = 3;
 constexpr int growth_steps = 6;
-constexpr double default_noise = 0.02;  // where no neighbourhood is flat [m]
+// Real sensors see walls at grazing angles less flat than white range noise would: so much more than its share of the noise a surface may have.
+constexpr double most_noise = 2.0;
+constexpr float same_direction = 0.99995F;  // cosine of half a degree
+constexpr double default_noise = 0.02;      // where no neighbourhood is flat [m]
 
 PointSet thinned(const PointSet& points) {
   VoxelSet taken(sample_leaf, points.size());
@@ -82,6 +85,7 @@ class Search {
   bool search_round() {
     const std::vector<Hypothesis> hypotheses = sample_hypotheses(sample_, viewpoints_, params_.seeds, random_);
     if (surfaces_.empty()) set_noise(estimate_noise(hypotheses, default_noise));
+    refused_.clear();
     std::priority_queue<Candidate> queue;
     for (std::size_t i = 0; i < hypotheses.size(); ++i) {
       const float s = support(hypotheses[i].plane);
@@ -97,7 +101,9 @@ class Search {
         if (best.support >= least_support_) queue.push(best);
         continue;
       }
-      extract(hypotheses[best.number].plane);
+      const Hypothesis& hypothesis = hypotheses[best.number];
+      const PlaneF plane = grown(hypothesis.plane);
+      if (!refused_before(plane, hypothesis.centroid) && !extract(plane)) refused_.push_back(plane);
     }
     return surfaces_.size() > before;
   }
@@ -126,13 +132,20 @@ class Search {
     return plane;
   }
 
-  void extract(const PlaneF& hypothesis) {
-    const PlaneF plane = grown(hypothesis);
+  // A rough or sparse surface gives many hypotheses, which all grow to the same plane.
+  bool refused_before(const PlaneF& plane, const Eigen::Vector3f& place) const {
+    return std::any_of(refused_.begin(), refused_.end(), [&](const PlaneF& other) {
+      return other.normal.dot(plane.normal) > same_direction && std::abs(other.distance(place) - plane.distance(place)) < 0.2F * threshold_;
+    });
+  }
+
+  // Takes the surfaces on a plane out of the search; false when there are none.
+  bool extract(const PlaneF& plane) {
     const Facing facing(plane, viewpoints_);
     std::vector<std::uint32_t> inliers;
     collect(points_, plane, 1.3F * threshold_, facing, inliers);
     inliers.erase(std::remove_if(inliers.begin(), inliers.end(), [this](std::uint32_t i) { return !free_[i]; }), inliers.end());
-    if (inliers.size() < static_cast<std::size_t>(params_.min_points)) return;
+    if (inliers.size() < static_cast<std::size_t>(params_.min_points)) return false;
     const Pieces split = connected_pieces(points_, inliers, plane, params_);
 
     std::vector<Surface> found;
@@ -164,6 +177,7 @@ class Search {
       claim(found[k]);
       surfaces_.push_back(std::move(found[k]));
     }
+    return !found.empty();
   }
 
   // Takes the surface's points out of the search, with those that the noise put a little beyond its threshold: they would make ghosts beside it.
@@ -189,12 +203,11 @@ class Search {
   Limits limits_;
   float threshold_ = 0;
   float least_support_ = 0;
+  std::vector<PlaneF> refused_;  // of this round
   std::vector<Surface> surfaces_;
 };
 
 }  // namespace
-
-double Limits::rms() const { return std::min(std::max(1.4 * noise, 0.01), params.max_rms); }
 
 void collect_on(const PointSet& points, const PlaneF& plane, const Facing& facing, const Limits& limits, double surface_noise, float factor,
                 std::vector<std::uint32_t>& inliers) {
@@ -222,8 +235,8 @@ bool fit_trimmed(const PointSet& points, const std::vector<Eigen::Vector3f>& vie
       sum += r * r;
     }
     surface.noise = std::sqrt(sum / static_cast<double>(surface.members.size()));
-    if (step == 3) break;
     const Limits::Distance limit = limits.distance(surface.noise);
+    if (step == 3) break;
     surface.members.clear();
     for (const std::uint32_t i : all) {
       if (std::abs(points.distance(plane, i)) <= limit(facing.cosine(points, i))) surface.members.push_back(i);
@@ -234,7 +247,8 @@ bool fit_trimmed(const PointSet& points, const std::vector<Eigen::Vector3f>& vie
 
 bool large_enough(const PointSet& points, const Surface& surface, const Limits& limits) {
   const SegmentationParams& params = limits.params;
-  if (surface.members.size() < static_cast<std::size_t>(params.min_points) || surface.noise > limits.rms()) return false;
+  if (surface.members.size() < static_cast<std::size_t>(params.min_points) || surface.sigma > limits.rms()) return false;
+  if (surface.noise > most_noise * limits.noise + 0.01) return false;
   const PlaneFit fit = fit_plane(surface.scatter);
   // An even rectangle of length l has the standard deviation l / sqrt(12).
   if (!fit.valid || fit.spread[2] * std::sqrt(12.0) < params.min_length || fit.spread[1] * std::sqrt(12.0) < params.min_width) return false;

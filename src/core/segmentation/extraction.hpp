@@ -44,8 +44,8 @@ struct Limits {
     return {static_cast<float>(params.threshold_sigmas * std::max(surface_noise, noise)), static_cast<float>(params.min_threshold),
             static_cast<float>(params.max_threshold)};
   }
-  /// Largest standard deviation of a plane's points over their shares: what an even spread between the limits would have is clutter [m].
-  [[nodiscard]] double rms() const;
+  /// Largest rms distance of a plane's points [m].
+  [[nodiscard]] double rms() const { return std::min(std::max(1.4 * noise, 0.01), params.max_rms); }
 };
 
 /// Positions in the set of the points on a plane, in order: within `factor` times the limit of each, and faced.

@@ -147,6 +147,7 @@ bool hypothesis_at(const PointSet& points, std::vector<std::uint32_t>& which, co
   // A single stripe, bent by noise, holds no normal.
   if (!fit.valid || which.size() < 8 || fit.spread[0] > flat || fit.spread[1] < 0.15 * edge || fit.spread[0] > 0.3 * fit.spread[1]) return false;
   result.plane = PlaneF(fit.plane);
+  result.centroid = fit.centroid.cast<float>();
   float towards = 0;
   float length = 0;
   for (const std::uint32_t i : which) {

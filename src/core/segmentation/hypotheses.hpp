@@ -8,7 +8,8 @@ namespace sgraph {
 
 /// A plane fitted to a small neighbourhood.
 struct Hypothesis {
-  PlaneF plane;      ///< faces the viewpoints of its points
+  PlaneF plane;  ///< faces the viewpoints of its points
+  Eigen::Vector3f centroid = Eigen::Vector3f::Zero();
   float rms = 0;     ///< of the neighbourhood's points on it [m]
   float cosine = 0;  ///< of the angle between its normal and the viewing ray
 };

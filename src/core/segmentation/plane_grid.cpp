@@ -1,7 +1,6 @@
 #include "plane_grid.hpp"
 
 #include <algorithm>
-#include <numeric>
 
 #include <Eigen/Geometry>
 
@@ -12,13 +11,22 @@ constexpr float cell_edge = 0.2F;     // [m]
 constexpr float most_cells = 400.0F;  // along one axis: larger planes get larger cells
 constexpr std::size_t outline_rows = 128;
 
-int root_of(std::vector<int>& parent, int cell) {
-  while (parent[static_cast<std::size_t>(cell)] != cell) {
-    const int above = parent[static_cast<std::size_t>(parent[static_cast<std::size_t>(cell)])];
-    cell = parent[static_cast<std::size_t>(cell)] = above;
+// The cells that hold points: most of a large plane's are empty.
+struct Occupied {
+  std::vector<int> number_of_cell;  // -1 for an empty one
+  std::vector<int> cell;            // the rest by number, in order of their first points
+  std::vector<float> reach;         // how far each reaches for others, in cells
+  std::vector<int> parent;          // of the union-find forest
+  std::vector<int> number_of_point;
+
+  int root_of(int number) {
+    while (parent[static_cast<std::size_t>(number)] != number) {
+      const int above = parent[static_cast<std::size_t>(parent[static_cast<std::size_t>(number)])];
+      number = parent[static_cast<std::size_t>(number)] = above;
+    }
+    return number;
   }
-  return cell;
-}
+};
 
 PlaneCells cells_around(const PointSet& points, const std::vector<std::uint32_t>& inliers, const PlaneF& plane, float max_gap) {
   PlaneCells cells{PlaneAxes(plane.normal)};
@@ -32,40 +40,43 @@ PlaneCells cells_around(const PointSet& points, const std::vector<std::uint32_t>
   return cells;
 }
 
-// How far each cell reaches for others, in cells; 0 for an empty one.
-std::vector<float> reaches(const PointSet& points, const std::vector<std::uint32_t>& inliers, const std::vector<int>& cell_of, const PlaneF& plane,
-                           const PlaneCells& cells, const SegmentationParams& params) {
-  std::vector<float> reach(static_cast<std::size_t>(cells.columns) * static_cast<std::size_t>(cells.rows), 0.0F);
+Occupied occupied_cells(const PointSet& points, const std::vector<std::uint32_t>& inliers, const PlaneF& plane, const PlaneCells& cells,
+                        const SegmentationParams& params) {
+  Occupied occupied;
+  occupied.number_of_cell.assign(static_cast<std::size_t>(cells.columns) * static_cast<std::size_t>(cells.rows), -1);
+  occupied.number_of_point.reserve(inliers.size());
   const auto gap = static_cast<float>(params.gap);
   const auto max_gap = static_cast<float>(std::max(params.gap, params.max_gap));
   const float rings = 1.5F * static_cast<float>(params.beam_spacing) / std::max(std::abs(plane.d), 0.05F);
-  for (std::size_t k = 0; k < inliers.size(); ++k) {
-    float& own = reach[static_cast<std::size_t>(cell_of[k])];
-    if (own > 0) continue;
-    // Rings on a plane lie apart by range * spacing / cos(incidence) = range^2 * spacing / distance of the plane.
-    own = std::min(std::max(gap, rings * points.position(inliers[k]).squaredNorm()), max_gap) / cells.edge;
+  for (const std::uint32_t i : inliers) {
+    const int cell = cells.at(points.position(i));
+    int& number = occupied.number_of_cell[static_cast<std::size_t>(cell)];
+    if (number < 0) {
+      number = static_cast<int>(occupied.cell.size());
+      occupied.cell.push_back(cell);
+      occupied.parent.push_back(number);
+      // Rings on a plane lie apart by range * spacing / cos(incidence) = range^2 * spacing / distance of the plane.
+      occupied.reach.push_back(std::min(std::max(gap, rings * points.position(i).squaredNorm()), max_gap) / cells.edge);
+    }
+    occupied.number_of_point.push_back(number);
   }
-  return reach;
+  return occupied;
 }
 
-void unite_within_reach(const PlaneCells& cells, const std::vector<float>& reach, std::vector<int>& parent) {
-  for (int row = 0; row < cells.rows; ++row) {
-    for (int column = 0; column < cells.columns; ++column) {
-      const int cell = row * cells.columns + column;
-      const float r = reach[static_cast<std::size_t>(cell)];
-      if (r <= 0) continue;
-      const int steps = static_cast<int>(std::ceil(r));
-      const float r2 = r * r;
-      int root = root_of(parent, cell);
-      for (int i = std::max(0, row - steps); i <= std::min(cells.rows - 1, row + steps); ++i) {
-        for (int j = std::max(0, column - steps); j <= std::min(cells.columns - 1, column + steps); ++j) {
-          const int other = i * cells.columns + j;
-          const auto dv = static_cast<float>(i - row), du = static_cast<float>(j - column);
-          if (reach[static_cast<std::size_t>(other)] <= 0 || parent[static_cast<std::size_t>(other)] == root || du * du + dv * dv > r2) continue;
-          const int other_root = root_of(parent, other);
-          parent[static_cast<std::size_t>(std::max(root, other_root))] = std::min(root, other_root);
-          root = std::min(root, other_root);
-        }
+void unite_within_reach(const PlaneCells& cells, Occupied& occupied) {
+  for (std::size_t k = 0; k < occupied.cell.size(); ++k) {
+    const int row = occupied.cell[k] / cells.columns, column = occupied.cell[k] % cells.columns;
+    const float reach = occupied.reach[k];
+    const int steps = static_cast<int>(reach);
+    int root = occupied.root_of(static_cast<int>(k));
+    for (int i = std::max(0, row - steps); i <= std::min(cells.rows - 1, row + steps); ++i) {
+      const int width = static_cast<int>(std::sqrt(reach * reach - static_cast<float>((i - row) * (i - row))));
+      for (int j = std::max(0, column - width); j <= std::min(cells.columns - 1, column + width); ++j) {
+        const int other = occupied.number_of_cell[static_cast<std::size_t>(i * cells.columns + j)];
+        if (other < 0 || occupied.parent[static_cast<std::size_t>(other)] == root) continue;
+        const int other_root = occupied.root_of(other);
+        occupied.parent[static_cast<std::size_t>(std::max(root, other_root))] = std::min(root, other_root);
+        root = std::min(root, other_root);
       }
     }
   }
@@ -107,31 +118,29 @@ Pieces connected_pieces(const PointSet& points, const std::vector<std::uint32_t>
   Pieces result{cells_around(points, inliers, plane, static_cast<float>(std::max(params.gap, params.max_gap))), {}};
   if (inliers.empty()) return result;
   const PlaneCells& cells = result.cells;
-  std::vector<int> cell_of(inliers.size());
-  for (std::size_t k = 0; k < inliers.size(); ++k) cell_of[k] = cells.at(points.position(inliers[k]));
-  std::vector<int> parent(static_cast<std::size_t>(cells.columns) * static_cast<std::size_t>(cells.rows));
-  std::iota(parent.begin(), parent.end(), 0);
-  const std::vector<float> reach = reaches(points, inliers, cell_of, plane, cells, params);
-  unite_within_reach(cells, reach, parent);
+  Occupied occupied = occupied_cells(points, inliers, plane, cells, params);
+  unite_within_reach(cells, occupied);
 
-  std::vector<int> number(parent.size(), -1);
-  for (std::size_t k = 0; k < inliers.size(); ++k) {
-    int& piece = number[static_cast<std::size_t>(root_of(parent, cell_of[k]))];
-    if (piece < 0) {
-      piece = static_cast<int>(result.pieces.size());
+  std::vector<int> piece_of(occupied.cell.size(), -1);  // by the number of the root, then of each cell
+  for (std::size_t k = 0; k < occupied.cell.size(); ++k) {
+    int& piece_number = piece_of[static_cast<std::size_t>(occupied.root_of(static_cast<int>(k)))];
+    if (piece_number < 0) {
+      piece_number = static_cast<int>(result.pieces.size());
       result.pieces.emplace_back();
     }
-    result.pieces[static_cast<std::size_t>(piece)].members.push_back(inliers[k]);
-  }
-  for (int cell = 0; cell < cells.columns * cells.rows; ++cell) {
-    if (reach[static_cast<std::size_t>(cell)] <= 0) continue;
-    Piece& piece = result.pieces[static_cast<std::size_t>(number[static_cast<std::size_t>(root_of(parent, cell))])];
+    piece_of[k] = piece_number;
+    Piece& piece = result.pieces[static_cast<std::size_t>(piece_number)];
+    const int cell = occupied.cell[k];
     piece.cells.push_back(cell);
-    piece.reach.push_back(reach[static_cast<std::size_t>(cell)]);
+    piece.reach.push_back(occupied.reach[k]);
     const Eigen::Vector2f corner =
         cells.origin + cells.edge * Eigen::Vector2f(static_cast<float>(cell % cells.columns), static_cast<float>(cell / cells.columns));
     piece.box.extend(corner);
     piece.box.extend(Eigen::Vector2f(corner.array() + cells.edge));
+  }
+  for (std::size_t k = 0; k < inliers.size(); ++k) {
+    const int number = piece_of[static_cast<std::size_t>(occupied.number_of_point[k])];
+    result.pieces[static_cast<std::size_t>(number)].members.push_back(inliers[k]);
   }
   return result;
 }
