@@ -7,7 +7,6 @@
 namespace sgraph {
 namespace {
 
-constexpr double recent_path = 5.0;     // way since a plane was seen up to which the odometry bounds its uncertainty well enough [m]
 constexpr double returned_path = 20.0;  // seeing a plane again after this way closes a loop [m]
 
 Matrix6 floored(const Keyframe& keyframe, const FactorParams& params) {
@@ -112,7 +111,7 @@ AssociationResult add_observations(MapState& state, const PlaneSegments& segment
   const AssociationParams& params = state.params.association;
   const Pose T_map_base = *state.graph.find(now);
   const std::vector<PlaneCandidate> candidates = candidates_of(state);
-  const PlaneUncertainty uncertainty(state.graph, state.planes, state.drift, state.marginals, now, recent_path);
+  const PlaneUncertainty uncertainty(state.graph, state.planes, state.drift, state.marginals, now);
   const auto predicted = [&uncertainty](PlaneId id, const Innovation& innovation) { return uncertainty(id, innovation); };
 
   Transaction edit;

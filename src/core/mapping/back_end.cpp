@@ -48,7 +48,7 @@ class BackEnd::Implementation {
   GraphSnapshotPtr optimize() {
     if (state_.keyframes.empty()) return snapshot_;
     summary_ = {};
-    solve_global(state_.params.solving.final_iterations);
+    solve_global(state_.params.solving.final_iterations, true);
     if (state_.params.topological_layer) {
       visit_all();
       solve_global(state_.params.solving.final_iterations);
@@ -82,7 +82,7 @@ class BackEnd::Implementation {
     note(solve(state_.graph, options, recent_window(state_.graph, state_.params.solving.window)));
   }
 
-  void solve_global(int iterations) {
+  void solve_global(int iterations, bool all_pairs = false) {
     drop_passing_planes(state_);
     SolverOptions options;
     options.max_iterations = iterations;
@@ -93,7 +93,7 @@ class BackEnd::Implementation {
     update_frame();
     std::set<PlanePair> shown;
     shown.swap(pending_);
-    merge_duplicates(state_, shown);
+    merge_duplicates(state_, shown, all_pairs);
     if (!state_.params.topological_layer) return;
     const std::vector<Wall> walls = counted_walls();
     state_.layer.judge(state_.graph, walls, nullptr, state_.newest(), state_.log);
@@ -103,7 +103,9 @@ class BackEnd::Implementation {
     find_openings();
   }
 
-  [[nodiscard]] std::vector<Wall> counted_walls() const { return state_.planes.walls(static_cast<std::size_t>(state_.params.topology.min_views)); }
+  [[nodiscard]] std::vector<Wall> counted_walls() const {
+    return state_.planes.walls(static_cast<std::size_t>(state_.params.topology.min_views), state_.params.topology.min_height);
+  }
 
   void update_frame() {
     if (!state_.params.semantics.dominant_frame) {

@@ -8,6 +8,7 @@
 namespace sgraph {
 namespace {
 
+constexpr int try_again = 40;     // keyframes until a pair that was found apart is tried again
 constexpr double shown_gain = 4;  // a place that is seen to be the same widens the gate
 
 std::string merge_name(PlanePair pair) {
@@ -36,7 +37,11 @@ std::vector<Merged> merge_step(MapState& state, const std::set<PlanePair>& candi
   for (const PlanePair& pair : candidates) {
     const auto chi_square = merge_chi_square(state.graph, state.planes, *marginals, pair, state.params.merging);
     const double gate = state.params.merging.chi_square * (shown.count(pair) > 0 ? shown_gain : 1);
-    if (chi_square && *chi_square < gate) within.emplace_back(*chi_square, pair);
+    if (chi_square && *chi_square < gate) {
+      within.emplace_back(*chi_square, pair);
+    } else {
+      state.tested_merges[pair] = state.newest();
+    }
   }
   std::sort(within.begin(), within.end());
   std::set<PlaneId> busy;
@@ -83,13 +88,16 @@ bool undo_misfits(MapState& state, std::vector<Merged>& done) {
 
 }  // namespace
 
-int merge_duplicates(MapState& state, const std::set<PlanePair>& shown_by_places) {
+int merge_duplicates(MapState& state, const std::set<PlanePair>& shown_by_places, bool all) {
   if (!state.params.merging.enabled) return 0;
   int count = 0;
   for (int round = 0; round < 3; ++round) {
     std::set<PlanePair> candidates;
-    for (const PlanePair& pair : merge_candidates(state.graph, state.planes, state.params.merging, state.params.association.extent_margin))
-      candidates.insert(pair);
+    for (const PlanePair& pair : merge_candidates(state.graph, state.planes, state.params.merging, state.params.association.extent_margin)) {
+      const auto tested = state.tested_merges.find(pair);
+      const bool lately = tested != state.tested_merges.end() && state.newest().value - tested->second.value < try_again;
+      if (!lately || (all && round == 0)) candidates.insert(pair);
+    }
     for (const PlanePair& pair : shown_by_places) {
       if (state.graph.find(pair.first) && state.graph.find(pair.second)) candidates.insert(pair);
     }

@@ -34,7 +34,9 @@ Face face_of(const Wall& wall, std::size_t index, bool across_x, const PlaceView
   const Eigen::Vector2d& along = across_x ? view.y_axis : view.x_axis;
   Face face;
   face.wall = index;
-  face.position = across.dot(position) - wall.distance(position) / wall.normal.dot(across);
+  // Where the wall is seen nearest to the position: a short piece a few degrees off would be anywhere, if it were prolonged.
+  const Interval stretch = hull(wall.support);
+  face.position = across.dot(wall.at(std::clamp(wall.direction().dot(position), stretch.low, stretch.high)));
   for (const Interval& part : wall.support) {
     const double a = along.dot(wall.at(part.low));
     const double b = along.dot(wall.at(part.high));

@@ -121,10 +121,10 @@ const PlaneRecord* PlaneMap::find(PlaneId id) const {
   return found == records_.end() ? nullptr : &found->second;
 }
 
-std::vector<Wall> PlaneMap::walls(std::size_t min_views) const {
+std::vector<Wall> PlaneMap::walls(std::size_t min_views, double min_height) const {
   std::vector<Wall> walls;
   for (const auto& [id, record] : records_) {
-    if (record.wall && record.keyframes.size() >= min_views) walls.push_back(*record.wall);
+    if (record.wall && record.keyframes.size() >= min_views && record.wall->height >= min_height) walls.push_back(*record.wall);
   }
   return walls;
 }

@@ -4,8 +4,10 @@
 
 namespace sgraph {
 namespace {
-constexpr int cache_age = 10;  // keyframes; the odometry bridges them
-}
+constexpr int cache_age = 10;            // keyframes; the odometry bridges them
+constexpr double small_angle = 0.008;    // a bound below these two needs no marginals [rad]
+constexpr double small_distance = 0.03;  // [m]
+}  // namespace
 
 const Marginals* MarginalsCache::get(const Graph& graph, int max_age) {
   if (graph.keyframes().empty()) return nullptr;
@@ -17,9 +19,8 @@ const Marginals* MarginalsCache::get(const Graph& graph, int max_age) {
   return marginals_->ok() ? marginals_.get() : nullptr;
 }
 
-PlaneUncertainty::PlaneUncertainty(const Graph& graph, const PlaneMap& planes, const OdometryDrift& drift, MarginalsCache& cache, KeyframeId now,
-                                   double recent_path)
-    : graph_(graph), planes_(planes), drift_(drift), cache_(cache), now_(now), recent_path_(recent_path) {}
+PlaneUncertainty::PlaneUncertainty(const Graph& graph, const PlaneMap& planes, const OdometryDrift& drift, MarginalsCache& cache, KeyframeId now)
+    : graph_(graph), planes_(planes), drift_(drift), cache_(cache), now_(now) {}
 
 Eigen::Matrix3d PlaneUncertainty::by_odometry(const PlaneRecord& record, const Innovation& innovation) const {
   return innovation.d_plane * record.last_covariance * innovation.d_plane.transpose() +
@@ -30,7 +31,7 @@ Eigen::Matrix3d PlaneUncertainty::operator()(PlaneId id, const Innovation& innov
   const PlaneRecord* record = planes_.find(id);
   if (!record) return Eigen::Matrix3d::Zero();
   const Eigen::Matrix3d bound = by_odometry(*record, innovation);
-  if (drift_.path(record->last_seen, now_) <= recent_path_) return bound;
+  if (bound(2, 2) < small_distance * small_distance && bound.topLeftCorner<2, 2>().trace() < small_angle * small_angle) return bound;
   const Marginals* marginals = cache_.get(graph_, cache_age);
   if (!marginals) return bound;
   const KeyframeId known = cache_.newest();

@@ -10,6 +10,8 @@ namespace sgraph {
 namespace {
 
 constexpr double corner_margin = 0.3;  // what is this near to a side does not cut the inside [m]
+constexpr double size_weight = 0.4;    // a tenth more area is worth four hundredths of the outline
+constexpr double wall_weight = 0.3;
 constexpr std::size_t most_candidates = 10;
 
 struct Candidate {
@@ -80,12 +82,16 @@ bool is_cut(const PlaceView& view, const Rectangle& area, const RoomParams& para
                      [&](const ObliqueWall& wall) { return length_inside(wall.from, wall.to, inner) >= limit; });
 }
 
-// All tests on one candidate; the share of its outline that has been seen goes to `coverage`.
-RoomVerdict judge(const PlaceView& view, const Candidate& candidate, const RoomParams& params, double slack, double* coverage) {
+struct Coverage {
+  double all = 0;
+  double wall = 0;
+};
+
+// All tests on one candidate; the shares of its outline that have been seen go to `coverage`.
+RoomVerdict judge(const PlaceView& view, const Candidate& candidate, const RoomParams& params, double slack, Coverage* coverage) {
   const RoomVerdict widths = judge_widths(candidate.area, params);
   if (widths != RoomVerdict::accepted) return widths;
   const double ease = 1 - slack;
-  double seen = 0;
   for (const Side side : {low_x, high_x, low_y, high_y}) {
     const bool across_x = side == low_x || side == high_x;
     const bool low = side == low_x || side == low_y;
@@ -94,17 +100,20 @@ RoomVerdict judge(const PlaceView& view, const Candidate& candidate, const RoomP
     const double wall = side_coverage(view.faces[side], low, at, along, params.coplanar, 0);
     const double all = side_coverage(view.faces[side], low, at, along, params.coplanar, params.furniture_depth);
     if (wall < ease * params.min_wall_coverage || all < ease * params.min_side_coverage) return RoomVerdict::uncovered;
-    seen += all * along.length();
+    const double share = along.length() / (2 * (candidate.area.x.length() + candidate.area.y.length()));
+    coverage->all += all * share;
+    coverage->wall += wall * share;
   }
-  *coverage = seen / (2 * (candidate.area.x.length() + candidate.area.y.length()));
-  if (*coverage < ease * params.min_coverage) return RoomVerdict::uncovered;
+  if (coverage->all < ease * params.min_coverage) return RoomVerdict::uncovered;
   return is_cut(view, candidate.area, params) ? RoomVerdict::cut : RoomVerdict::accepted;
 }
 
-RoomShape shape_of(const PlaceView& view, const std::vector<Wall>& walls, const Candidate& candidate, double coverage, double reference_yaw) {
+RoomShape shape_of(const PlaceView& view, const std::vector<Wall>& walls, const Candidate& candidate, const Coverage& coverage,
+                   double reference_yaw) {
   const int turns = static_cast<int>(std::lround((reference_yaw - view.yaw) / (M_PI / 2)));
   RoomShape room;
-  room.coverage = coverage;
+  room.coverage = coverage.all;
+  room.wall_coverage = coverage.wall;
   room.area.center = view.to_map({candidate.area.x.center(), candidate.area.y.center()});
   room.area.size = {candidate.area.x.length(), candidate.area.y.length()};
   room.area.yaw = std::remainder(view.yaw + turns * M_PI / 2, 2 * M_PI);
@@ -157,12 +166,13 @@ void search(const PlaceView& view, const std::vector<Wall>& walls, const Eigen::
         for (const Face* y2 : options[high_y]) {
           if (overlap(hull(y2->span), x) <= 0) continue;
           const Candidate candidate{{x1, x2, y1, y2}, {x, {y1->position, y2->position}}};
-          double coverage = 0;
+          Coverage coverage;
           const RoomVerdict verdict = judge(view, candidate, params, 0, &coverage);
           if (verdict != RoomVerdict::accepted) {
             if (!best.room && verdict > best.verdict) best.verdict = verdict;
-          } else if (!best.room || coverage > best.room->coverage) {
-            best = {RoomVerdict::accepted, shape_of(view, walls, candidate, coverage, reference_yaw)};
+          } else {
+            const RoomShape shape = shape_of(view, walls, candidate, coverage, reference_yaw);
+            if (!best.room || room_score(shape) > room_score(*best.room)) best = {RoomVerdict::accepted, shape};
           }
         }
       }
@@ -190,6 +200,10 @@ const char* to_string(RoomVerdict value) {
   return "another wall runs through the inside";
 }
 
+double room_score(const RoomShape& room) {
+  return room.coverage + wall_weight * room.wall_coverage + size_weight * std::log(std::max(1e-6, room.area.area()));
+}
+
 RoomSearch find_room(const std::vector<Wall>& walls, const Eigen::Vector2d& position, double reference_yaw, const RoomParams& params) {
   RoomSearch best;
   const double reach = 1.5 * params.max_width;
@@ -213,7 +227,7 @@ RoomSearch judge_room(const std::vector<Wall>& walls, const RoomShape& room, con
   eased.max_width *= 1 + 0.2 * slack;
   eased.corridor_aspect *= 1 + 0.5 * slack;
   eased.cut_share = std::min(1.0, params.cut_share * (1 + 0.3 * slack));
-  double coverage = 0;
+  Coverage coverage;
   RoomSearch result;
   result.verdict = judge(view, candidate, eased, slack, &coverage);
   if (result.verdict == RoomVerdict::accepted) result.room = shape_of(view, walls, candidate, coverage, room.area.yaw);

@@ -10,7 +10,8 @@ namespace {
 
 constexpr double same_place = 0.5;  // share of the smaller area: more in common and it is the same place
 constexpr double conflict = 0.2;    // less than that, but more than this: they can't both be right
-constexpr double better = 0.03;     // gain in coverage that makes other walls a place's walls
+constexpr double longer = 0.5;      // gain in length that makes other walls a corridor's walls [m]
+constexpr double better = 0.03;     // gain in score that makes other walls a place's walls
 
 std::string size_text(const OrientedRectangle& area) {
   std::ostringstream text;
@@ -111,10 +112,9 @@ std::vector<PlanePair> TopologicalLayer::know_again(RoomId id, RoomRecord& known
     const PlaneId b = turned.walls[side];
     if (a != b && same_wall(walls, a, b, known.shape.area.center)) one_wall.push_back(older_first(a, b));
   }
-  if (known.history.failures > 0 || turned.coverage > known.shape.coverage + better) {
+  if (known.history.failures > 0 || room_score(turned) > room_score(known.shape) + better) {
     log.push_back({visit.keyframe, true, "room/" + std::to_string(id.value),
-                   "walls that show more of its outline: " + plane_list(turned.walls) + " in place of " + plane_list(known.shape.walls) + "; " +
-                       size_text(turned.area)});
+                   "better walls: " + plane_list(turned.walls) + " in place of " + plane_list(known.shape.walls) + "; " + size_text(turned.area)});
     known.shape = turned;
     known.history.failures = 0;
   }
@@ -180,7 +180,8 @@ std::vector<PlanePair> TopologicalLayer::take_corridor(Graph& graph, const Corri
       const PlaneId b = found.walls[reversed ? 1 - side : side];
       if (a != b && same_wall(walls, a, b, found.area.center)) one_wall.push_back(older_first(a, b));
     }
-    if (found.area.size.x() > known.shape.area.size.x() || found.walls == known.shape.walls) known.shape = found;
+    if (found.walls == known.shape.walls || known.history.failures > 0 || found.area.size.x() > known.shape.area.size.x() + longer)
+      known.shape = found;
     known.history.failures = 0;
     return one_wall;
   }

@@ -38,6 +38,7 @@ std::optional<Wall> make_wall(PlaneId id, const Plane& plane, const std::vector<
   if (!(low <= high)) return std::nullopt;
   Wall wall;
   wall.id = id;
+  wall.height = high - low;
   wall.normal = plane.normal.head<2>() / level;
   wall.offset = (plane.d + plane.normal.z() * 0.5 * (low + high)) / level;
   Intervals parts;

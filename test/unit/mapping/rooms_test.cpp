@@ -191,5 +191,34 @@ TEST(Rooms, JudgingFollowsTheWalls) {
   EXPECT_EQ(judge_room(plan.walls, room, params, 0.2).verdict, RoomVerdict::no_walls);
 }
 
+// A face seen through the door, a wall's thickness behind the real one, explains as much of the outline but is hardly seen itself.
+TEST(Rooms, TheWallThatIsSeenWinsOverAPieceBehindIt) {
+  Plan plan;
+  const auto box = plan.box(0, 0, 6, 4, {{2, 3}});
+  plan.add({0.5, -0.15}, {2.6, -0.15});
+  const RoomSearch found = find_room(plan.walls, {3, 2}, 0, params);
+  ASSERT_TRUE(found.room);
+  EXPECT_EQ(walls_of(*found.room), box);
+}
+
+// A row of cabinets over most of a side, a step before the wall: the larger rectangle stands the tests too, so it is the room.
+TEST(Rooms, OfRectanglesThatStandTheTestsTheLargerOneWins) {
+  Plan plan;
+  const auto box = plan.box(0, 0, 6, 5);
+  plan.add({0.6, 4.4}, {0.6, 1.4});
+  const RoomSearch found = find_room(plan.walls, {3, 2}, 0, params);
+  ASSERT_TRUE(found.room);
+  EXPECT_EQ(walls_of(*found.room), box);
+}
+
+// A short piece a few degrees off lies where it has been seen, not where its line would be beside a distant robot.
+TEST(Rooms, AnObliquePieceIsNotProlonged) {
+  Plan plan;
+  plan.add({0, 0}, {0.5, 0.06});
+  const PlaceView view = view_from(plan.walls, {10, 3}, 0, 50, params.parallel);
+  ASSERT_EQ(view.faces[low_y].size(), 1U);
+  EXPECT_NEAR(view.faces[low_y][0].position, 0.06, 1e-9);
+}
+
 }  // namespace
 }  // namespace sgraph

@@ -31,6 +31,7 @@ struct MapState {
   DominantFrame frame;
   TopologicalLayer layer;
   std::vector<SceneOpening> openings;
+  std::map<PlanePair, KeyframeId> tested_merges;         ///< beyond their gate, and when that was found
   std::set<PlanePair> refused_merges;                    ///< merged once and undone
   std::map<PlaneId, Eigen::Matrix3d> plane_covariances;  ///< as of the last optimisation on demand
   KeyframeId last_loop_tried;
@@ -64,8 +65,8 @@ AssociationResult add_observations(MapState& state, const PlaneSegments& segment
 int drop_passing_planes(MapState& state);
 
 /// Merges planes that are one surface by their marginals, more readily those that a place shows to be one; solves; undoes what doesn't fit.
-/// Returns how many were merged and kept.
-int merge_duplicates(MapState& state, const std::set<PlanePair>& shown_by_places);
+/// Pairs found apart lately are not tried again unless `all`. Returns how many were merged and kept.
+int merge_duplicates(MapState& state, const std::set<PlanePair>& shown_by_places, bool all);
 
 /// Hard loop closure of the newest keyframe with the nearest old one, when the graph is unsure about the way between (paper, Loop Closure). True when
 /// a loop has been added.

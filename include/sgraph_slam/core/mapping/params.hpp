@@ -177,6 +177,7 @@ struct TopologyParams {
   int withdraw_after = 3;
   int recent = 20;
   int min_views = 3;
+  double min_height = 1.2;
 
   void describe(ParamVisitor& v) {
     v.field("parallel_factors", parallel_factors, "Facing walls are parallel, neighbours of a room perpendicular: as factors on the normals.");
@@ -190,7 +191,8 @@ struct TopologyParams {
     v.field("loss_scale", loss_scale, "", {0.1, 100}, "Cauchy loss of all of these, in standard deviations: an oblique wall can refuse.");
     v.field("judge_slack", judge_slack, "", {0, 0.9}, "A room or corridor stands while it meets the limits eased by this share.");
     v.field("withdraw_after", withdraw_after, "", {1, 1000}, "Judgements failed in a row until a room or corridor is withdrawn.");
-    v.field("min_views", min_views, "", {1, 1000}, "A wall counts for rooms and corridors once this many keyframes have seen it.");
+    v.field("min_views", min_views, "", {1, 1000}, "A wall counts for rooms and corridors once this many keyframes have seen it ...");
+    v.field("min_height", min_height, "m", {0, 10}, "... over this height: desks and sofas are lower.");
     v.field("recent", recent, "", {1, 100000},
             "Walls seen in this many last keyframes are tried first: a place entered again with drift shows in them.");
   }

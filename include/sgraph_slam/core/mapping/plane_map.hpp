@@ -53,8 +53,8 @@ class PlaneMap {
 
   [[nodiscard]] const std::map<PlaneId, PlaneRecord>& records() const { return records_; }
   [[nodiscard]] const PlaneRecord* find(PlaneId id) const;
-  /// The walls that at least this many keyframes have seen, by id.
-  [[nodiscard]] std::vector<Wall> walls(std::size_t min_views = 1) const;
+  /// The walls that at least this many keyframes have seen and that are at least this high [m], by id.
+  [[nodiscard]] std::vector<Wall> walls(std::size_t min_views = 1, double min_height = 0) const;
 
  private:
   void rebuild(const Graph& graph, PlaneRecord& record) const;

@@ -24,12 +24,11 @@ class MarginalsCache {
   KeyframeId newest_;
 };
 
-/// How uncertain the map is about what a keyframe should see of its planes, for the chi-square gate. A plane seen a moment ago is bounded by the
-/// odometry since then; one seen longer ago by the joint marginal covariance of the graph.
+/// How uncertain the map is about what a keyframe should see of its planes, for the chi-square gate. The odometry since a plane was last seen gives a
+/// bound that costs nothing; where it is too wide to tell walls apart, the joint marginal covariance of the graph is taken.
 class PlaneUncertainty {
  public:
-  /// `recent_path` [m]: up to this much way since a plane's last view the odometry's bound is used.
-  PlaneUncertainty(const Graph& graph, const PlaneMap& planes, const OdometryDrift& drift, MarginalsCache& cache, KeyframeId now, double recent_path);
+  PlaneUncertainty(const Graph& graph, const PlaneMap& planes, const OdometryDrift& drift, MarginalsCache& cache, KeyframeId now);
 
   /// `J Sigma J^T` [rad, m].
   [[nodiscard]] Eigen::Matrix3d operator()(PlaneId id, const Innovation& innovation) const;
@@ -42,7 +41,6 @@ class PlaneUncertainty {
   const OdometryDrift& drift_;
   MarginalsCache& cache_;
   KeyframeId now_;
-  double recent_path_;
 };
 
 }  // namespace sgraph

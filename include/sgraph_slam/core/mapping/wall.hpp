@@ -17,6 +17,7 @@ struct Wall {
   Eigen::Vector2d normal = Eigen::Vector2d::UnitX();  ///< unit, into the free space
   double offset = 0;                                  ///< `normal . p + offset = 0` [m], at the wall's mean height
   Intervals support;                                  ///< along `direction()`, from the foot of the map's origin [m]
+  double height = 0;                                  ///< from its lowest to its highest seen point [m]
   KeyframeId last_seen;                               ///< newest keyframe that saw it
 
   /// Unit vector along the wall, to the left of the normal.
