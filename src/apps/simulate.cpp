@@ -7,44 +7,17 @@
 #include <exception>
 #include <filesystem>
 #include <fstream>
+#include <iostream>
 
 #include "sgraph_slam/core/io/tum.hpp"
 #include "sgraph_slam/core/sim/simulator.hpp"
+#include "sgraph_slam/core/util/progress.hpp"
 #include "sgraph_slam/ros/simulated_bag.hpp"
 
 namespace {
 
 using namespace sgraph;
 using Clock = std::chrono::steady_clock;
-
-// A bar on a terminal, a line every 10 % elsewhere.
-class Progress {
- public:
-  explicit Progress(int total, bool quiet) : total_(total), quiet_(quiet), terminal_(isatty(STDERR_FILENO) != 0) {}
-
-  void at(int done) {
-    if (quiet_ || total_ == 0) return;
-    const int percent = static_cast<int>(100LL * done / total_);
-    if (terminal_ ? done % 10 != 0 && done != total_ : percent / 10 == shown_ / 10 && done != total_) return;
-    shown_ = percent;
-    const double seconds = std::chrono::duration<double>(Clock::now() - begin_).count();
-    const double times = 0.1 * done / std::max(seconds, 1e-9);
-    std::string bar(static_cast<std::size_t>(percent * 30 / 100), '#');
-    bar.resize(30, '.');
-    std::fprintf(
-        stderr,
-        terminal_ ? "\r[%s] %3d %%  %d/%d scans  %.1f x real time  %.0f s left " : "[%s] %3d %%  %d/%d scans  %.1f x real time  %.0f s left\n",
-        bar.c_str(), percent, done, total_, times, seconds * (total_ - done) / std::max(done, 1));
-    if (terminal_ && done == total_) std::fputc('\n', stderr);
-  }
-
- private:
-  int total_;
-  bool quiet_;
-  bool terminal_;
-  int shown_ = 0;
-  Clock::time_point begin_ = Clock::now();
-};
 
 struct Options {
   std::string world;
@@ -88,8 +61,14 @@ void run(Options& options) {
   write_tum(source.ground_truth(), options.out + "/ground_truth.tum");
   write_text(options.out + "/truth.json", sim::truth_json(world, source.motion(), source.duration()));
   if (options.no_bag) return;
-  Progress progress(source.scan_count(), options.quiet);
-  write_simulated_bag(source, options.out + "/data.bag", [&](int done) { progress.at(done); });
+  Progress progress(source.scan_count(), isatty(STDERR_FILENO) != 0);
+  const Clock::time_point begin = Clock::now();
+  write_simulated_bag(source, options.out + "/data.bag", [&](int done) {
+    constexpr double scan_period = 0.1;  // [s]
+    const double seconds = std::chrono::duration<double>(Clock::now() - begin).count();
+    if (!options.quiet) std::cerr << progress.after(done, scan_period * done, seconds) << std::flush;
+  });
+  if (!options.quiet) std::cerr << progress.end();
 }
 
 }  // namespace

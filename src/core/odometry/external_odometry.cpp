@@ -29,10 +29,9 @@ MotionOutput ExternalOdometry::process(const CloudPtr& scan) {
     output.verdict = ScanVerdict::not_later;
     return output;
   }
-  const auto [first, last] =
-      std::minmax_element(scan->points.begin(), scan->points.end(), [](const Point& a, const Point& b) { return a.time < b.time; });
-  const Stamp begin = scan->stamp.after(std::min(0.0, static_cast<double>(first->time)));
-  const Stamp end = scan->stamp.after(std::max(0.0, static_cast<double>(last->time)));
+  const TimeSpan firing = firing_times(*scan);
+  const Stamp begin = scan->stamp.after(std::min(0.0, firing.begin));
+  const Stamp end = scan->stamp.after(std::max(0.0, firing.end));
   if (samples_.size() < 2 || begin < samples_.front().stamp.after(-tolerance) || end > samples_.back().stamp.after(tolerance)) {
     output.verdict = ScanVerdict::no_odometry;
     return output;

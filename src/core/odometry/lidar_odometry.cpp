@@ -54,10 +54,9 @@ LidarOdometry::WindowScan LidarOdometry::prepare(const CloudPtr& cloud) const {
   WindowScan scan;
   scan.cloud = cloud;
   scan.time = cloud->stamp - *origin_;
-  const auto [first, last] =
-      std::minmax_element(cloud->points.begin(), cloud->points.end(), [](const Point& a, const Point& b) { return a.time < b.time; });
-  scan.begin = scan.time + static_cast<double>(first->time);
-  scan.end = scan.time + static_cast<double>(last->time);
+  const TimeSpan firing = firing_times(*cloud);
+  scan.begin = scan.time + firing.begin;
+  scan.end = scan.time + firing.end;
   if (scan.end - scan.begin < no_times) scan.begin = scan.end = scan.time;
   scan.keypoints = thinned(cloud->points, params_.motion.keypoint_leaf);
   return scan;
@@ -95,7 +94,7 @@ std::vector<Keypoint> LidarOdometry::keypoints_in_window() const {
   std::vector<Keypoint> all;
   for (const WindowScan& scan : window_) {
     for (const Point& point : scan.keypoints) {
-      const SegmentTime at = locate(knots_, scan.begin < scan.end ? scan.time + static_cast<double>(point.time) : scan.time);
+      const SegmentTime at = locate(knots_, scan.time_of(point));
       all.push_back({point.position().cast<double>(), at.segment, at.fraction});
     }
   }
@@ -105,12 +104,11 @@ std::vector<Keypoint> LidarOdometry::keypoints_in_window() const {
 }
 
 RigidAlignmentResult LidarOdometry::align(const WindowScan& scan) const {
-  std::vector<SegmentMotion> motions;
-  for (std::size_t i = 0; i + 1 < knots_.size(); ++i) motions.emplace_back(knots_[i].pose, knots_[i + 1].pose);
+  const std::vector<SegmentMotion> motions = segment_motions(knots_);
   std::vector<SeenPoint> points;
   for (std::size_t i = 0; i < scan.keypoints.size(); i += 2) {
     const Point& point = scan.keypoints[i];
-    const SegmentTime at = locate(knots_, scan.begin < scan.end ? scan.time + static_cast<double>(point.time) : scan.time);
+    const SegmentTime at = locate(knots_, scan.time_of(point));
     const SegmentMotion& motion = motions[static_cast<std::size_t>(at.segment)];
     const Eigen::Vector3d sensor = motion.origin(at.fraction);
     points.push_back({motion.rotate(at.fraction, point.position().cast<double>()) + sensor, sensor});
@@ -188,7 +186,7 @@ void LidarOdometry::bootstrap(const WindowScan& second) {
   const Pose anchor = pose_at(knots_, first.time);
   for (int round = 0; round < 4; ++round) {
     map_ = SurfaceMap(params_.map);
-    insert(first);
+    insert_now(first);
     window_ = {second};
     const RigidAlignmentResult alignment = align(second);
     solve(alignment);
@@ -203,17 +201,17 @@ void LidarOdometry::bootstrap(const WindowScan& second) {
       knots_[i].pose = pose_at(Knots(knots_.begin(), knots_.begin() + static_cast<std::ptrdiff_t>(i)), knots_[i].time);
   }
   map_ = SurfaceMap(params_.map);
-  insert(first);
+  insert_now(first);
   window_ = {first};
   window_.front().enters_map = false;  // it has
   moving_known_ = true;
 }
 
-void LidarOdometry::insert(const WindowScan& scan) {
-  const CloudPtr deskewed = deskew(*scan.cloud, scan.time, knots_);
-  const Pose T_odom_lidar = pose_at(knots_, scan.time);
+void LidarOdometry::insert_now(const WindowScan& scan) { insert(*deskew(*scan.cloud, scan.time, knots_), pose_at(knots_, scan.time)); }
+
+void LidarOdometry::insert(const Cloud& deskewed, const Pose& T_odom_lidar) {
   const Eigen::Matrix3d rotation = T_odom_lidar.matrix();
-  for (const Point& point : thinned(deskewed->points, params_.map_leaf)) {
+  for (const Point& point : thinned(deskewed.points, params_.map_leaf)) {
     map_.insert(rotation * point.position().cast<double>() + T_odom_lidar.translation, T_odom_lidar.translation);
   }
   map_.update();
@@ -223,13 +221,14 @@ void LidarOdometry::insert(const WindowScan& scan) {
 FinalScan LidarOdometry::leave_window() {
   const WindowScan scan = window_.front();
   window_.erase(window_.begin());
-  if (scan.enters_map) insert(scan);
+  const Pose T_odom_lidar = pose_at(knots_, scan.time);
   FinalScan final;
   final.stamp = scan.cloud->stamp;
-  final.T_odom_base = pose_at(knots_, scan.time) * T_lidar_base_;
+  final.T_odom_base = T_odom_lidar * T_lidar_base_;
   final.covariance = scan.covariance;
   final.degenerate = scan.degenerate;
   final.cloud = deskew(*scan.cloud, scan.time, knots_);
+  if (scan.enters_map) insert(*final.cloud, T_odom_lidar);
   // Held from now on: the knots up to this scan's end. The one before stays for the prior, and those that a stamp at the begin of the next scan
   // needs.
   std::size_t end = 0;
@@ -263,6 +262,27 @@ void LidarOdometry::judge(WindowScan& scan, const WindowResult& solved, const Ri
   }
   ++untrusted_;
   scan.enters_map = untrusted_ > longest_distrust;
+}
+
+// How well the newest scan's pose is known, and in which directions it isn't.
+void LidarOdometry::rate(WindowScan& newest, const WindowResult& solved) const {
+  const auto size = solved.information.rows();
+  if (size < 6) return;
+  // The newest knot's covariance, from odom's axes about the sensor into the base's.
+  const Eigen::MatrixXd covariance = solved.information.ldlt().solve(Eigen::MatrixXd::Identity(size, size));
+  const Pose base = knots_.back().pose * T_lidar_base_;
+  const Matrix6 block = covariance_scale * covariance.bottomRightCorner<6, 6>();
+  Matrix6 to_base = Matrix6::Zero();
+  const Eigen::Matrix3d r = base.matrix().transpose();
+  to_base.topLeftCorner<3, 3>() = r;
+  to_base.bottomRightCorner<3, 3>() = r;
+  to_base.bottomLeftCorner<3, 3>() = -r * skew(base.translation - knots_.back().pose.translation);
+  newest.covariance = to_base * block * to_base.transpose();
+  Matrix6 about_sensor = Matrix6::Zero();
+  for (Eigen::Index k = 0; k < size; k += 6) {
+    for (Eigen::Index j = 0; j < size; j += 6) about_sensor += solved.data_information.block<6, 6>(k, j);
+  }
+  for (const Vector6& d : weak_directions(about_sensor, 5.0, 0.02)) newest.degenerate.push_back((to_base * d).normalized());
 }
 
 OdometryEstimate LidarOdometry::live_estimate(const WindowScan& scan, const WindowResult& solved) const {
@@ -300,7 +320,7 @@ MotionOutput LidarOdometry::process(const CloudPtr& cloud) {
   if (knots_.empty()) {
     begin_map(scan);
     window_.push_back(scan);
-    insert(scan);
+    insert_now(scan);
   } else {
     if (scan.end <= knots_.back().time + no_times) {
       output.verdict = ScanVerdict::not_later;
@@ -314,24 +334,7 @@ MotionOutput LidarOdometry::process(const CloudPtr& cloud) {
     solved = solve(alignment);
     WindowScan& newest = window_.back();
     judge(newest, solved, alignment, predicted);
-    const auto size = solved.information.rows();
-    if (size >= 6) {
-      // The newest knot's covariance, from odom's axes about the sensor into the base's.
-      const Eigen::MatrixXd covariance = solved.information.ldlt().solve(Eigen::MatrixXd::Identity(size, size));
-      const Pose base = knots_.back().pose * T_lidar_base_;
-      const Matrix6 block = covariance_scale * covariance.bottomRightCorner<6, 6>();
-      Matrix6 to_base = Matrix6::Zero();
-      const Eigen::Matrix3d r = base.matrix().transpose();
-      to_base.topLeftCorner<3, 3>() = r;
-      to_base.bottomRightCorner<3, 3>() = r;
-      to_base.bottomLeftCorner<3, 3>() = -r * skew(base.translation - knots_.back().pose.translation);
-      newest.covariance = to_base * block * to_base.transpose();
-      Matrix6 about_sensor = Matrix6::Zero();
-      for (Eigen::Index k = 0; k < size; k += 6) {
-        for (Eigen::Index j = 0; j < size; j += 6) about_sensor += solved.data_information.block<6, 6>(k, j);
-      }
-      for (const Vector6& d : weak_directions(about_sensor, 5.0, 0.02)) newest.degenerate.push_back((to_base * d).normalized());
-    }
+    rate(newest, solved);
     scan = newest;
   }
   output.live = live_estimate(scan, solved);

@@ -22,6 +22,18 @@ Eigen::Vector3d SegmentMotion::rotate(double fraction, const Eigen::Vector3d& p)
   return rotation_ * p + std::sin(a) * (first_ * p) + (1.0 - std::cos(a)) * (second_ * p);
 }
 
+std::vector<SegmentMotion> segment_motions(const Knots& knots) {
+  std::vector<SegmentMotion> motions;
+  for (std::size_t i = 0; i + 1 < knots.size(); ++i) motions.emplace_back(knots[i].pose, knots[i + 1].pose);
+  return motions;
+}
+
+TimeSpan firing_times(const Cloud& cloud) {
+  const auto earlier = [](const Point& a, const Point& b) { return a.time < b.time; };
+  const auto [first, last] = std::minmax_element(cloud.points.begin(), cloud.points.end(), earlier);
+  return {static_cast<double>(first->time), static_cast<double>(last->time)};
+}
+
 SegmentTime locate(const Knots& knots, double time) {
   if (knots.size() < 2) return {};
   const auto after = std::upper_bound(knots.begin(), knots.end(), time, [](double t, const Knot& k) { return t < k.time; });
@@ -40,8 +52,7 @@ Pose pose_at(const Knots& knots, double time) {
 
 CloudPtr deskew(const Cloud& cloud, double stamp_time, const Knots& knots) {
   auto result = std::make_shared<Cloud>(cloud);
-  std::vector<SegmentMotion> motions;
-  for (std::size_t i = 0; i + 1 < knots.size(); ++i) motions.emplace_back(knots[i].pose, knots[i + 1].pose);
+  const std::vector<SegmentMotion> motions = segment_motions(knots);
   const Pose to_stamp = pose_at(knots, stamp_time).inverse();
   const Eigen::Matrix3d rotation = to_stamp.matrix();
   for (Point& point : result->points) {

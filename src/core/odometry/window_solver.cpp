@@ -53,8 +53,7 @@ class Problem {
 
  private:
   void add_points(const Knots& knots, double kernel, Linearisation& l) const {
-    std::vector<SegmentMotion> motions;
-    for (std::size_t i = 0; i + 1 < knots.size(); ++i) motions.emplace_back(knots[i].pose, knots[i + 1].pose);
+    const std::vector<SegmentMotion> motions = segment_motions(knots);
     std::vector<SegmentSums> sums(motions.size());
     const double k2 = kernel * kernel;
     const double information = 1.0 / (options_.noise * options_.noise);

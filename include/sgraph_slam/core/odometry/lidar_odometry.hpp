@@ -32,6 +32,9 @@ class LidarOdometry : public MotionSource {
     bool enters_map = true;                // when it leaves the window
     Matrix6 covariance = Matrix6::Zero();  // of its pose, base frame
     std::vector<Vector6> degenerate;
+
+    // When a point was seen; one moment for all where the cloud has no times.
+    [[nodiscard]] double time_of(const Point& point) const { return begin < end ? time + static_cast<double>(point.time) : time; }
   };
 
   [[nodiscard]] WindowScan prepare(const CloudPtr& cloud) const;
@@ -44,9 +47,11 @@ class LidarOdometry : public MotionSource {
   WindowResult solve(const RigidAlignmentResult& alignment);
   [[nodiscard]] std::vector<Keypoint> keypoints_in_window() const;
   void judge(WindowScan& scan, const WindowResult& solved, const RigidAlignmentResult& alignment, const Knots& predicted);
+  void rate(WindowScan& newest, const WindowResult& solved) const;
   [[nodiscard]] OdometryEstimate live_estimate(const WindowScan& scan, const WindowResult& solved) const;
   FinalScan leave_window();
-  void insert(const WindowScan& scan);
+  void insert(const Cloud& deskewed, const Pose& T_odom_lidar);
+  void insert_now(const WindowScan& scan);
   [[nodiscard]] double noise() const;
 
   OdometryParams params_;

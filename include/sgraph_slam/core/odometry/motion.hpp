@@ -35,6 +35,16 @@ class SegmentMotion {
   Eigen::Vector3d begin_, step_;
 };
 
+/// The motion of each segment; none for a single knot.
+std::vector<SegmentMotion> segment_motions(const Knots& knots);
+
+/// Times of a cloud's first and last firing, in seconds from its stamp. The cloud must not be empty.
+struct TimeSpan {
+  double begin = 0;
+  double end = 0;
+};
+TimeSpan firing_times(const Cloud& cloud);
+
 /// Index of the knot that begins the segment which holds `time` (an end's segment outside), and how far along it `time` is.
 struct SegmentTime {
   int segment = 0;
