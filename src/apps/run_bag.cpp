@@ -11,8 +11,10 @@
 
 #include "sgraph_slam/core/io/file.hpp"
 #include "sgraph_slam/core/params/params_io.hpp"
+#include "sgraph_slam/core/pipeline/pipeline.hpp"
 #include "sgraph_slam/core/pipeline/run_folder.hpp"
 #include "sgraph_slam/core/util/progress.hpp"
+#include "sgraph_slam/core/util/resources.hpp"
 #include "sgraph_slam/core/util/stopwatch.hpp"
 #include "sgraph_slam/ros/bag_source.hpp"
 #include "sgraph_slam/ros/settings.hpp"
@@ -102,7 +104,7 @@ void map_recording(BagSource& source, Pipeline& pipeline, bool quiet, RunInfo& i
       if (scan == nullptr) continue;
       pipeline.process(**scan);
       seconds += 1e-3 * watch.lap();
-      const auto& records = pipeline.records();
+      const auto& records = pipeline.run().records();
       if (!quiet) std::cerr << progress.after(static_cast<int>(records.size()), records.back().stamp - records.front().stamp, seconds) << std::flush;
     }
   } catch (const std::runtime_error& error) {  // what was read so far is still worth its map
@@ -110,13 +112,14 @@ void map_recording(BagSource& source, Pipeline& pipeline, bool quiet, RunInfo& i
   }
   pipeline.finish();
   info.wall_seconds = seconds + 1e-3 * watch.lap();
+  info.cpu_seconds = cpu_seconds();
   if (!quiet) std::cerr << progress.end();
   for (const auto& [fault, count] : source.dropped()) info.dropped_before[to_string(fault)] += count;
 }
 
 void refuse_if_nothing_was_mapped(const Pipeline& pipeline, const RunInfo& info) {
-  if (pipeline.until() == Stage::prefilter || !pipeline.live_trajectory().empty()) return;
-  const RunReport report = make_report(pipeline, info);
+  if (pipeline.run().until() == Stage::prefilter || !pipeline.run().live_trajectory().empty()) return;
+  const RunReport report = make_report(pipeline.run(), info);
   std::string reasons;
   for (const auto& [reason, count] : report.dropped) reasons += (reasons.empty() ? "" : ", ") + reason + ' ' + std::to_string(count);
   throw std::runtime_error("not one scan could be used (" + (reasons.empty() ? "none was read" : reasons) + ")");
@@ -131,9 +134,9 @@ void run(const Options& options) {
   info.sources = options.bag.bags;
   map_recording(source, pipeline, options.quiet, info);
   const bool damaged = !info.stopped_by.empty() && !interrupted;
-  if (damaged && pipeline.live_trajectory().empty()) throw std::runtime_error(info.stopped_by);
+  if (damaged && pipeline.run().live_trajectory().empty()) throw std::runtime_error(info.stopped_by);
   refuse_if_nothing_was_mapped(pipeline, info);
-  const RunReport report = write_run(options.out, pipeline, settings.params, info);
+  const RunReport report = write_run(options.out, pipeline.run(), settings.params, info);
   if (!options.quiet) std::cout << report_table(report) << "written to " << options.out << (interrupted ? " (interrupted)" : "") << std::endl;
   if (damaged) throw std::runtime_error(info.stopped_by + "; what came before is in " + options.out);
 }

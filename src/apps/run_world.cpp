@@ -1,9 +1,10 @@
-// Maps a simulated world as it is simulated, without writing a bag, and writes a run folder as run_bag does.
+// Maps a simulated world as it is simulated, without writing a bag, and writes a run folder as run_bag does; several with --variant.
 #include <tbb/global_control.h>
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
 #include <iostream>
+#include <numeric>
 #include <optional>
 #include <stdexcept>
 
@@ -11,9 +12,9 @@
 #include "sgraph_slam/core/io/tum.hpp"
 #include "sgraph_slam/core/params/params_io.hpp"
 #include "sgraph_slam/core/pipeline/run_folder.hpp"
+#include "sgraph_slam/core/pipeline/variants.hpp"
 #include "sgraph_slam/core/sim/simulator.hpp"
 #include "sgraph_slam/core/util/progress.hpp"
-#include "sgraph_slam/core/util/resources.hpp"
 #include "sgraph_slam/core/util/stopwatch.hpp"
 
 namespace sgraph {
@@ -24,6 +25,7 @@ struct Options {
   std::string out;
   std::vector<std::string> configs;
   std::vector<std::string> assignments;
+  std::vector<std::string> variants;
   std::string odometry;
   std::string until = "mapping";
   std::string stamp = "last";
@@ -35,9 +37,14 @@ struct Options {
 
 void declare(CLI::App& app, Options& options) {
   app.add_option("WORLD", options.world, "World file (docs/worlds.md)")->required();
-  app.add_option("--out", options.out, "Run folder to write; gets ground_truth.tum and truth.json too")->required();
+  app.add_option("--out", options.out,
+                 "Run folder to write, or with --variant the folder for a run folder each; gets ground_truth.tum and truth.json too")
+      ->required();
   app.add_option("--config", options.configs, "YAML file over the defaults; later ones win")->allow_extra_args(false);
   app.add_option("--set", options.assignments, "NAME=VALUE: one parameter, over the files")->allow_extra_args(false);
+  app.add_option("--variant", options.variants,
+                 "NAME or NAME:key=value,key=value: a further way to map the same scans; keys are parameters, until, encoders, imu. Into OUT/NAME")
+      ->allow_extra_args(false);
   app.add_option("--odometry", options.odometry, "vgicp: from the LiDAR; topic: the robot's encoders")->check(CLI::IsMember({"vgicp", "topic"}));
   app.add_flag("--imu", options.imu, "Give the odometry the inertial unit's readings");
   app.add_option("--until", options.until, "Last stage to run")
@@ -52,61 +59,67 @@ void declare(CLI::App& app, Options& options) {
   app.add_flag("--quiet", options.quiet, "Print errors only");
 }
 
-Params read_params(const Options& options) {
+std::vector<Variant> read_variants(const Options& options) {
   ParamValues values;
   for (const std::string& path : options.configs) {
     for (const auto& [name, value] : read_yaml_values(path)) values[name] = value;
   }
   for (const std::string& assignment : options.assignments) set_value(values, assignment);
   if (!options.odometry.empty()) values["odometry.source"] = options.odometry;
-  Params params;
-  apply_values(values, [&params](ParamVisitor& v) { params.describe(v); });
-  return params;
+  Variant base;
+  base.until = *stage_from(options.until);
+  base.imu = options.imu;
+  std::vector<Variant> variants;
+  for (const std::string& text : options.variants) variants.push_back(parse_variant(text, values, base));
+  if (variants.empty()) variants.push_back(parse_variant("run", values, base));
+  return variants;
 }
 
-// Only the time after the simulator has made its scan counts as the pipeline's.
-void map_world(const Options& options, bool use_encoders, sim::SimulatedSource& source, Pipeline& pipeline, RunInfo& info) {
+void map_world(bool quiet, sim::SimulatedSource& source, VariantSet& set) {
   Progress progress(source.scan_count(), isatty(STDERR_FILENO) != 0);
-  Stopwatch total;
-  double total_seconds = 0;
-  for (;;) {
-    const double cpu_before = cpu_seconds();
-    const auto event = source.next();
-    info.source_cpu_seconds += cpu_seconds() - cpu_before;
-    if (!event) break;
-    Stopwatch working;
-    if (const auto* odometry = std::get_if<OdometrySample>(&*event); odometry && use_encoders) pipeline.add(*odometry);
-    if (const auto* imu = std::get_if<ImuSample>(&*event); imu && options.imu) pipeline.add(*imu);
+  Stopwatch watch;
+  double seconds = 0;
+  while (const auto event = source.next()) {
+    if (const auto* odometry = std::get_if<OdometrySample>(&*event)) set.add(*odometry);
+    if (const auto* imu = std::get_if<ImuSample>(&*event)) set.add(*imu);
     const auto* scan = std::get_if<CloudPtr>(&*event);
-    if (scan) pipeline.process(**scan);
-    info.wall_seconds += 1e-3 * working.lap();
-    if (!scan) continue;
-    total_seconds += 1e-3 * total.lap();
-    const auto& records = pipeline.records();
-    if (!options.quiet) {
-      std::cerr << progress.after(static_cast<int>(records.size()), records.back().stamp - records.front().stamp, total_seconds) << std::flush;
-    }
+    if (scan == nullptr) continue;
+    set.process(**scan);
+    seconds += 1e-3 * watch.lap();
+    const auto& records = set.runs().front().records();
+    if (!quiet) std::cerr << progress.after(static_cast<int>(records.size()), records.back().stamp - records.front().stamp, seconds) << std::flush;
   }
-  Stopwatch working;
-  pipeline.finish();
-  info.wall_seconds += 1e-3 * working.lap();
-  if (!options.quiet) std::cerr << progress.end();
+  set.finish();
+  if (!quiet) std::cerr << progress.end();
+}
+
+// A run's time is that of its stages: without the simulator's, and with all of those that it shared.
+void write(const Options& options, const VariantSet& set) {
+  for (std::size_t i = 0; i < set.variants().size(); ++i) {
+    const Variant& variant = set.variants()[i];
+    const std::string folder = options.variants.empty() ? options.out : options.out + '/' + variant.name;
+    const StageTimes wall = set.runs()[i].total_cost().wall;
+    RunInfo info;
+    info.sources = {options.world};
+    info.wall_seconds = 1e-3 * std::accumulate(wall.begin(), wall.end(), 0.0);
+    const RunReport report = write_run(folder, set.runs()[i], variant.params, info);
+    if (options.quiet) continue;
+    if (!options.variants.empty()) std::cout << (i > 0 ? "\n" : "") << variant.name << ": ";
+    std::cout << report_table(report) << "written to " << folder << std::endl;
+  }
 }
 
 void run(Options& options) {
-  const Params params = read_params(options);
+  std::vector<Variant> variants = read_variants(options);
   make_folder(options.out);
   options.simulation.lidar.stamp = options.stamp == "first" ? sim::StampConvention::first : sim::StampConvention::last;
   const sim::World world = sim::read_world(options.world);
   sim::SimulatedSource source(world, options.simulation);
   write_tum(source.ground_truth(), options.out + "/ground_truth.tum");
   write_file(options.out + "/truth.json", sim::truth_json(world, source.motion(), source.duration()));
-  Pipeline pipeline(params, source.T_base_lidar(), *stage_from(options.until));
-  RunInfo info;
-  info.sources = {options.world};
-  map_world(options, params.odometry.source == "topic", source, pipeline, info);
-  const RunReport report = write_run(options.out, pipeline, params, info);
-  if (!options.quiet) std::cout << report_table(report) << "written to " << options.out << std::endl;
+  VariantSet set(std::move(variants), source.T_base_lidar());
+  map_world(options.quiet, source, set);
+  write(options, set);
 }
 
 }  // namespace

@@ -1,5 +1,5 @@
 #include "sgraph_slam/core/math/se3.hpp"
-#include "sgraph_slam/core/pipeline/pipeline.hpp"
+#include "sgraph_slam/core/pipeline/run.hpp"
 
 namespace sgraph {
 

@@ -6,20 +6,20 @@
 
 namespace sgraph {
 
-RunReport write_run(const std::string& folder, const Pipeline& pipeline, const Params& params, const RunInfo& info) {
+RunReport write_run(const std::string& folder, const Run& run, const Params& params, const RunInfo& info) {
   make_folder(folder);
   const std::string base = folder + '/';
   Params described = params;
   write_file(base + "params.yaml", to_yaml([&described](ParamVisitor& v) { described.describe(v); }));
-  write_file(base + "timings.csv", timings_csv(pipeline.records()));
-  const Trajectory trajectory = pipeline.trajectory();
-  if (pipeline.until() >= Stage::odometry) {
+  write_file(base + "timings.csv", timings_csv(run.records()));
+  const Trajectory trajectory = run.trajectory();
+  if (run.until() >= Stage::odometry) {
     write_file(base + "trajectory.tum", tum_text(trajectory));
-    write_file(base + "trajectory_live.tum", tum_text(pipeline.live_trajectory()));
-    write_file(base + "keyframes.tum", tum_text(pipeline.odometry_keyframes()));
+    write_file(base + "trajectory_live.tum", tum_text(run.live_trajectory()));
+    write_file(base + "keyframes.tum", tum_text(run.odometry_keyframes()));
   }
-  if (pipeline.until() >= Stage::mapping) write_map(folder, *pipeline.snapshot(), trajectory, pipeline.T_base_lidar(), params.output);
-  RunReport report = make_report(pipeline, info);
+  if (run.until() >= Stage::mapping) write_map(folder, *run.snapshot(), trajectory, run.T_base_lidar(), params.output);
+  RunReport report = make_report(run, info);
   write_file(base + "report.json", report_json(report));
   return report;
 }

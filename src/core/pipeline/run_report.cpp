@@ -1,6 +1,7 @@
 #include <array>
 #include <cstdio>
 #include <nlohmann/json.hpp>
+#include <numeric>
 #include <sstream>
 
 #include "sgraph_slam/core/eval/statistics.hpp"
@@ -12,10 +13,11 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-StageFigures figures_of(Stage stage, const std::vector<ScanRecord>& records) {
+StageFigures figures_of(Stage stage, const std::vector<ScanRecord>& records, StageTimes StageCost::*clock) {
   std::vector<double> times;
   for (const ScanRecord& record : records) {
-    if (const double ms = record.milliseconds[static_cast<std::size_t>(stage)]; ms > 0) times.push_back(ms);
+    const auto index = static_cast<std::size_t>(stage);
+    if (record.cost.wall[index] > 0) times.push_back((record.cost.*clock)[index]);
   }
   const Statistics statistics = statistics_of(times);
   return {stage, statistics.count, statistics.mean, statistics.std, statistics.median, quantile(times, 0.99), statistics.max};
@@ -51,35 +53,38 @@ std::string listed(const std::map<std::string, int>& counts) {
 
 }  // namespace
 
-RunReport make_report(const Pipeline& pipeline, const RunInfo& info) {
+RunReport make_report(const Run& run, const RunInfo& info) {
   RunReport report;
   report.info = info;
-  const auto& records = pipeline.records();
+  const auto& records = run.records();
   report.scans = static_cast<int>(records.size());
   report.dropped = info.dropped_before;
   for (const ScanRecord& record : records) {
     if (record.verdict != ScanVerdict::accepted) {
       ++report.dropped[to_string(record.verdict)];
-    } else if (pipeline.until() >= Stage::odometry) {
+    } else if (run.until() >= Stage::odometry) {
       ++report.odometry_status[to_string(record.odometry.status)];
       ++report.accepted;
     }
   }
-  const GraphSnapshotPtr snapshot = pipeline.snapshot();
-  report.keyframes = static_cast<int>(pipeline.odometry_keyframes().size());
+  const GraphSnapshotPtr snapshot = run.snapshot();
+  report.keyframes = static_cast<int>(run.odometry_keyframes().size());
   report.planes = static_cast<int>(snapshot->planes.size());
   report.rooms = static_cast<int>(snapshot->rooms.size());
   report.corridors = static_cast<int>(snapshot->corridors.size());
-  report.path_length = length_of(pipeline.trajectory());
+  report.path_length = length_of(run.trajectory());
   if (!records.empty()) report.data_seconds = records.back().stamp - records.front().stamp;
   if (info.wall_seconds > 0) report.times_real_time = report.data_seconds / info.wall_seconds;
-  report.cpu_seconds = cpu_seconds() - info.source_cpu_seconds;
+  const StageTimes cpu = run.total_cost().cpu;
+  report.cpu_seconds = info.cpu_seconds.value_or(1e-3 * std::accumulate(cpu.begin(), cpu.end(), 0.0));
   report.peak_memory_mib = peak_memory_mib();
   for (const Stage stage : all_stages) {
-    if (stage <= pipeline.until()) report.stages.push_back(figures_of(stage, records));
+    if (stage > run.until()) continue;
+    report.stages.push_back(figures_of(stage, records, &StageCost::wall));
+    report.stages_cpu.push_back(figures_of(stage, records, &StageCost::cpu));
   }
-  report.finish_milliseconds = pipeline.finish_milliseconds();
-  report.solves = pipeline.solves();
+  report.finish_milliseconds = run.finish_cost().wall;
+  report.solves = run.solves();
   return report;
 }
 
@@ -90,6 +95,8 @@ std::string report_json(const RunReport& report) {
     stages[to_string(figures.stage)] = to_json(figures);
     finish[to_string(figures.stage)] = report.finish_milliseconds[static_cast<std::size_t>(figures.stage)];
   }
+  Json stages_cpu = Json::object();
+  for (const StageFigures& figures : report.stages_cpu) stages_cpu[to_string(figures.stage)] = to_json(figures);
   Json solves = Json::array();
   for (const SolveSummary& solve : report.solves) solves.push_back(to_json(solve));
   const Json json = {{"sources", report.info.sources},
@@ -110,6 +117,7 @@ std::string report_json(const RunReport& report) {
                      {"cpu_seconds", report.cpu_seconds},
                      {"peak_memory_mib", report.peak_memory_mib},
                      {"stages_ms", stages},
+                     {"stages_cpu_ms", stages_cpu},
                      {"finish_ms", finish},
                      {"solves", solves}};
   return json.dump(1) + '\n';
@@ -143,7 +151,7 @@ std::string timings_csv(const std::vector<ScanRecord>& records) {
   for (const ScanRecord& record : records) {
     const std::int64_t ns = record.stamp.nanoseconds;
     text << format("%lld.%09lld", static_cast<long long>(ns / 1'000'000'000), static_cast<long long>(ns % 1'000'000'000));
-    for (const double ms : record.milliseconds) text << format(",%.3f", ms);
+    for (const double ms : record.cost.wall) text << format(",%.3f", ms);
     const OdometryEstimate& odometry = record.odometry;
     text << format(",%d,%d,%s,%s,%.3f,%.4f,%d,%d,%d\n", record.counts.input, record.counts.kept, to_string(record.verdict),
                    to_string(odometry.status), odometry.inlier_share, odometry.residual_rms, odometry.iterations, record.keyframes, record.segments);

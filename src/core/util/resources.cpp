@@ -2,24 +2,20 @@
 
 #include <sys/resource.h>
 
+#include <ctime>
+
 namespace sgraph {
-namespace {
-
-rusage used() {
-  rusage usage{};
-  ::getrusage(RUSAGE_SELF, &usage);
-  return usage;
-}
-
-double seconds(const timeval& time) { return static_cast<double>(time.tv_sec) + 1e-6 * static_cast<double>(time.tv_usec); }
-
-}  // namespace
 
 double cpu_seconds() {
-  const rusage usage = used();
-  return seconds(usage.ru_utime) + seconds(usage.ru_stime);
+  timespec time{};
+  ::clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &time);
+  return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
 }
 
-double peak_memory_mib() { return static_cast<double>(used().ru_maxrss) / 1024; }  // Linux counts KiB
+double peak_memory_mib() {
+  rusage usage{};
+  ::getrusage(RUSAGE_SELF, &usage);
+  return static_cast<double>(usage.ru_maxrss) / 1024;  // Linux counts KiB
+}
 
 }  // namespace sgraph

@@ -13,6 +13,7 @@
 #include "sgraph_slam/core/io/graph_json.hpp"
 #include "sgraph_slam/core/io/tum.hpp"
 #include "sgraph_slam/core/params/params_io.hpp"
+#include "sgraph_slam/core/pipeline/pipeline.hpp"
 
 namespace sgraph {
 namespace {
@@ -76,7 +77,7 @@ TEST_F(RunFolderTest, HoldsEverythingAndAgreesWithItself) {
   info.sources = {"hall.bag"};
   info.wall_seconds = 2;
   info.dropped_before = {{"layout", 3}};
-  write_run(folder_.string(), *pipeline, Params(), info);
+  write_run(folder_.string(), pipeline->run(), Params(), info);
   EXPECT_THAT(files(), ElementsAre("floor_plan.png", "floor_plan.svg", "graph.json", "keyframes.tum", "map.pcd", "map.pgm", "map.yaml", "params.yaml",
                                    "report.json", "timings.csv", "trajectory.tum", "trajectory_live.tum"));
 
@@ -109,7 +110,7 @@ TEST_F(RunFolderTest, HoldsEverythingAndAgreesWithItself) {
 
 TEST_F(RunFolderTest, TimingsHaveARowAScan) {
   const auto pipeline = walked(Stage::mapping);
-  std::istringstream lines(timings_csv(pipeline->records()));
+  std::istringstream lines(timings_csv(pipeline->run().records()));
   std::string line;
   std::getline(lines, line);
   EXPECT_THAT(line, testing::StartsWith("stamp,prefilter_ms,odometry_ms,segmentation_ms,mapping_ms,"));
@@ -128,14 +129,14 @@ TEST_F(RunFolderTest, TimingsHaveARowAScan) {
 TEST_F(RunFolderTest, TheParametersInForceReadBack) {
   Params params;
   params.prefilter.leaf = 0.123;
-  write_run(folder_.string(), Pipeline(params, mount(), Stage::prefilter), params, RunInfo());
+  write_run(folder_.string(), Pipeline(params, mount(), Stage::prefilter).run(), params, RunInfo());
   Params copy;
   apply_values(read_yaml_values(path("params.yaml")), [&copy](ParamVisitor& v) { copy.describe(v); });
   EXPECT_EQ(copy.prefilter.leaf, 0.123);
 }
 
 TEST_F(RunFolderTest, AShorterRunWritesWhatItKnows) {
-  write_run(folder_.string(), *walked(Stage::odometry), Params(), RunInfo());
+  write_run(folder_.string(), walked(Stage::odometry)->run(), Params(), RunInfo());
   EXPECT_THAT(files(), ElementsAre("keyframes.tum", "params.yaml", "report.json", "timings.csv", "trajectory.tum", "trajectory_live.tum"));
   EXPECT_EQ(read_tum(path("trajectory.tum")).size(), static_cast<std::size_t>(scans));
   const auto report = nlohmann::json::parse(read_file(path("report.json")));
@@ -147,7 +148,7 @@ TEST_F(RunFolderTest, AShorterRunWritesWhatItKnows) {
 TEST_F(RunFolderTest, RunsAreReproducible) {
   const auto a = walked(Stage::mapping);
   const auto b = walked(Stage::mapping);
-  EXPECT_EQ(graph_json(*a->snapshot()), graph_json(*b->snapshot()));
+  EXPECT_EQ(graph_json(*a->run().snapshot()), graph_json(*b->run().snapshot()));
 }
 
 TEST_F(RunFolderTest, ARecordingWithoutAUsefulScanIsNoTrouble) {
@@ -160,7 +161,7 @@ TEST_F(RunFolderTest, ARecordingWithoutAUsefulScanIsNoTrouble) {
     EXPECT_EQ(pipeline.process(cloud).verdict, ScanVerdict::too_few_points);
   }
   pipeline.finish();
-  const RunReport report = write_run(folder_.string(), pipeline, Params(), RunInfo());
+  const RunReport report = write_run(folder_.string(), pipeline.run(), Params(), RunInfo());
   EXPECT_EQ(report.accepted, 0);
   EXPECT_EQ(report.dropped.at(to_string(ScanVerdict::too_few_points)), 3);
   EXPECT_TRUE(read_tum(path("trajectory.tum")).empty());

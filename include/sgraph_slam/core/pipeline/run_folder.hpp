@@ -1,18 +1,19 @@
 #pragma once
 
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
-#include "sgraph_slam/core/pipeline/pipeline.hpp"
+#include "sgraph_slam/core/pipeline/run.hpp"
 
 namespace sgraph {
 
-/// What a run's report says beyond what its pipeline knows.
+/// What a run's report says beyond what the run knows.
 struct RunInfo {
   std::vector<std::string> sources;           ///< recordings
   double wall_seconds = 0;                    ///< from the first scan read to the last solve
-  double source_cpu_seconds = 0;              ///< of the process, spent making the data (a simulator): not counted in the report
+  std::optional<double> cpu_seconds;          ///< of all that the run took; nothing: the stages' own
   std::map<std::string, int> dropped_before;  ///< scans that never reached the pipeline, by reason
   std::string stopped_by;                     ///< why the run ended early; empty when it didn't
 };
@@ -38,13 +39,14 @@ struct RunReport {
   double cpu_seconds = 0;
   double peak_memory_mib = 0;
   std::map<std::string, int> odometry_status;  ///< scans by how their motion was found
-  std::vector<StageFigures> stages;
+  std::vector<StageFigures> stages;            ///< time on the clock
+  std::vector<StageFigures> stages_cpu;        ///< CPU time
   StageTimes finish_milliseconds{};
   std::vector<SolveSummary> solves;
 };
 
-/// CPU time and memory are those of the process at the moment of the call.
-RunReport make_report(const Pipeline& pipeline, const RunInfo& info);
+/// The memory is that of the process at the moment of the call.
+RunReport make_report(const Run& run, const RunInfo& info);
 std::string report_json(const RunReport& report);
 /// The report in short, for a terminal.
 std::string report_table(const RunReport& report);
@@ -53,6 +55,6 @@ std::string timings_csv(const std::vector<ScanRecord>& records);
 
 /// Writes the run folder: trajectories, parameters, timings, the report, and the map's files when the run went as far as mapping. Throws
 /// std::runtime_error with the file and the reason. Returns the report.
-RunReport write_run(const std::string& folder, const Pipeline& pipeline, const Params& params, const RunInfo& info);
+RunReport write_run(const std::string& folder, const Run& run, const Params& params, const RunInfo& info);
 
 }  // namespace sgraph

@@ -1,0 +1,59 @@
+#pragma once
+
+#include <vector>
+
+#include "sgraph_slam/core/mapping/back_end.hpp"
+#include "sgraph_slam/core/pipeline/front_end.hpp"
+
+namespace sgraph {
+
+/// A recording being mapped: the mapping stage, fed with what the stages before it made, and all that a run folder tells.
+class Run {
+ public:
+  /// Maps only when `until` is the mapping.
+  Run(const MappingParams& params, const Pose& T_base_lidar, Stage until);
+
+  /// Takes what was made of the next scan. The record stays valid until the next call.
+  const ScanRecord& take(const MeasuredScan& scan);
+  /// Takes what was left at the recording's end and optimises once more.
+  void finish(const MeasuredScan& rest);
+
+  [[nodiscard]] Stage until() const { return until_; }
+  [[nodiscard]] const Pose& T_base_lidar() const { return T_base_lidar_; }
+  [[nodiscard]] const std::vector<ScanRecord>& records() const { return records_; }
+  /// What the end of the recording took.
+  [[nodiscard]] const StageCost& finish_cost() const { return finish_cost_; }
+  /// All stages over the whole run, also where several runs share one.
+  [[nodiscard]] StageCost total_cost() const;
+  /// Base poses in the map as known when each scan had been processed.
+  [[nodiscard]] const Trajectory& live_trajectory() const { return live_; }
+  /// Base poses in odom, final (one scan late).
+  [[nodiscard]] const Trajectory& odometry_trajectory() const { return finals_; }
+  /// Keyframe poses in odom.
+  [[nodiscard]] const Trajectory& odometry_keyframes() const { return keyframes_; }
+  /// Base poses in the map of every scan, with what is known now. Before mapping, or without it, the odometry's final poses.
+  [[nodiscard]] Trajectory trajectory() const;
+  [[nodiscard]] GraphSnapshotPtr snapshot() const { return back_end_.snapshot(); }
+  /// All graph solves in order.
+  [[nodiscard]] const std::vector<SolveSummary>& solves() const { return solves_; }
+
+ private:
+  void map(const MeasuredScan& scan, StageCost& cost);
+  void note_solve(const SolveSummary& solve);
+
+  Stage until_;
+  Pose T_base_lidar_;
+  BackEnd back_end_;
+  std::vector<ScanRecord> records_;
+  StageCost finish_cost_;
+  Trajectory live_;
+  Trajectory finals_;
+  Trajectory keyframes_;
+  std::vector<SolveSummary> solves_;
+};
+
+/// Base poses in the map of every scan that the snapshot's keyframes hold: the odometry's final poses, moved by the correction of the keyframes
+/// around each, blended by time so that the trajectory has no steps. A keyframe's own scan is exactly where the keyframe is.
+Trajectory corrected_trajectory(const GraphSnapshot& snapshot);
+
+}  // namespace sgraph

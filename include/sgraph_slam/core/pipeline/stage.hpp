@@ -1,0 +1,50 @@
+#pragma once
+
+#include <array>
+#include <optional>
+#include <string>
+
+#include "sgraph_slam/core/odometry/odometry.hpp"
+#include "sgraph_slam/core/prefilter/prefilter.hpp"
+
+namespace sgraph {
+
+enum class Stage { prefilter, odometry, segmentation, mapping };
+inline constexpr std::array<Stage, 4> all_stages{Stage::prefilter, Stage::odometry, Stage::segmentation, Stage::mapping};
+const char* to_string(Stage value);
+/// Nothing when the word names no stage.
+std::optional<Stage> stage_from(const std::string& word);
+
+using StageTimes = std::array<double, all_stages.size()>;  ///< [ms]; 0 where a stage didn't run
+
+/// What the stages took: time on the clock, and CPU time of all threads.
+struct StageCost {
+  StageTimes wall{};
+  StageTimes cpu{};
+
+  StageCost& operator+=(const StageCost& other);
+};
+
+/// What one scan cost and brought; a row of timings.csv.
+struct ScanRecord {
+  Stamp stamp;
+  StageCost cost;
+  PrefilterCounts counts;
+  ScanVerdict verdict = ScanVerdict::accepted;
+  OdometryEstimate odometry;
+  int keyframes = 0;  ///< closed with this scan
+  int segments = 0;   ///< planes seen in their clouds
+};
+
+/// Books the time since its construction or the last booking under a stage.
+class StageClock {
+ public:
+  StageClock();
+  void book(Stage stage, StageCost& cost);
+
+ private:
+  double wall_;
+  double cpu_;
+};
+
+}  // namespace sgraph

@@ -1,0 +1,62 @@
+#include "sgraph_slam/core/pipeline/run.hpp"
+
+namespace sgraph {
+
+Run::Run(const MappingParams& params, const Pose& T_base_lidar, Stage until)
+    : until_(until), T_base_lidar_(T_base_lidar), back_end_(params, T_base_lidar) {}
+
+const ScanRecord& Run::take(const MeasuredScan& scan) {
+  records_.push_back(scan.record);
+  map(scan, records_.back().cost);
+  if (until_ >= Stage::odometry && scan.odometry.verdict == ScanVerdict::accepted) {
+    live_.push_back({scan.record.stamp, back_end_.snapshot()->T_map_odom * scan.odometry.live.T_odom_base});
+  }
+  return records_.back();
+}
+
+void Run::finish(const MeasuredScan& rest) {
+  finish_cost_ = rest.record.cost;
+  map(rest, finish_cost_);
+  if (until_ < Stage::mapping || keyframes_.empty()) return;
+  StageClock clock;
+  note_solve(back_end_.optimize()->last_solve);
+  clock.book(Stage::mapping, finish_cost_);
+}
+
+void Run::map(const MeasuredScan& scan, StageCost& cost) {
+  const OdometryOutput& odometry = scan.odometry;
+  finals_.insert(finals_.end(), odometry.finals.begin(), odometry.finals.end());
+  for (std::size_t i = 0; i < odometry.keyframes.size(); ++i) {
+    keyframes_.push_back({odometry.keyframes[i].stamp, odometry.keyframes[i].T_odom_base});
+    if (until_ < Stage::mapping) continue;
+    StageClock clock;
+    note_solve(back_end_.process(odometry.keyframes[i], scan.planes.at(i))->last_solve);
+    clock.book(Stage::mapping, cost);
+  }
+}
+
+// A snapshot carries the newest solve whether or not it is new.
+void Run::note_solve(const SolveSummary& solve) {
+  if (solve.keyframes == 0) return;
+  const bool same = !solves_.empty() && solves_.back().milliseconds == solve.milliseconds && solves_.back().factors == solve.factors &&
+                    solves_.back().keyframes == solve.keyframes;
+  if (!same) solves_.push_back(solve);
+}
+
+StageCost Run::total_cost() const {
+  StageCost total = finish_cost_;
+  for (const ScanRecord& record : records_) total += record.cost;
+  return total;
+}
+
+Trajectory Run::trajectory() const {
+  const GraphSnapshotPtr snapshot = back_end_.snapshot();
+  Trajectory trajectory = corrected_trajectory(*snapshot);
+  // Scans that no keyframe holds yet are as far off as the newest one that does.
+  for (const StampedPose& scan : finals_) {
+    if (trajectory.empty() || scan.stamp > trajectory.back().stamp) trajectory.push_back({scan.stamp, snapshot->T_map_odom * scan.pose});
+  }
+  return trajectory;
+}
+
+}  // namespace sgraph
