@@ -4,6 +4,7 @@
 
 #include <CLI/CLI.hpp>
 #include <iostream>
+#include <nlohmann/json.hpp>
 #include <numeric>
 #include <optional>
 #include <stdexcept>
@@ -15,6 +16,7 @@
 #include "sgraph_slam/core/pipeline/variants.hpp"
 #include "sgraph_slam/core/sim/simulator.hpp"
 #include "sgraph_slam/core/util/progress.hpp"
+#include "sgraph_slam/core/util/resources.hpp"
 #include "sgraph_slam/core/util/stopwatch.hpp"
 
 namespace sgraph {
@@ -75,11 +77,17 @@ std::vector<Variant> read_variants(const Options& options) {
   return variants;
 }
 
-void map_world(bool quiet, sim::SimulatedSource& source, VariantSet& set) {
+// Returns the CPU time of the simulator [s].
+double map_world(bool quiet, sim::SimulatedSource& source, VariantSet& set) {
   Progress progress(source.scan_count(), isatty(STDERR_FILENO) != 0);
   Stopwatch watch;
   double seconds = 0;
-  while (const auto event = source.next()) {
+  double simulator_seconds = 0;
+  for (;;) {
+    const double cpu_before = cpu_seconds();
+    const auto event = source.next();
+    simulator_seconds += cpu_seconds() - cpu_before;
+    if (!event) break;
     if (const auto* odometry = std::get_if<OdometrySample>(&*event)) set.add(*odometry);
     if (const auto* imu = std::get_if<ImuSample>(&*event)) set.add(*imu);
     const auto* scan = std::get_if<CloudPtr>(&*event);
@@ -91,6 +99,14 @@ void map_world(bool quiet, sim::SimulatedSource& source, VariantSet& set) {
   }
   set.finish();
   if (!quiet) std::cerr << progress.end();
+  return simulator_seconds;
+}
+
+void write_simulation(const Options& options, const sim::SimulatedSource& source, double cpu) {
+  const nlohmann::ordered_json json{
+      {"world", options.world}, {"scans", source.scan_count()},          {"data_seconds", source.duration()},
+      {"cpu_seconds", cpu},     {"seed", options.simulation.lidar.seed}, {"noise_m", options.simulation.lidar.range_noise}};
+  write_file(options.out + "/simulation.json", json.dump(1) + '\n');
 }
 
 // A run's time is that of its stages: without the simulator's, and with all of those that it shared.
@@ -118,7 +134,7 @@ void run(Options& options) {
   write_tum(source.ground_truth(), options.out + "/ground_truth.tum");
   write_file(options.out + "/truth.json", sim::truth_json(world, source.motion(), source.duration()));
   VariantSet set(std::move(variants), source.T_base_lidar());
-  map_world(options.quiet, source, set);
+  write_simulation(options, source, map_world(options.quiet, source, set));
   write(options, set);
 }
 

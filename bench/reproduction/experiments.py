@@ -1,0 +1,103 @@
+"""What is run: each experiment maps worlds in several ways (variants), all of them over the same simulated scans."""
+import os
+
+PAPER_WORLDS = ['cf1', 'cf2', 'se1', 'se2', 'lc1', 'le1', 'le2']
+FURTHER_WORLDS = ['oblique', 'two_wings', 'people', 'fast_walker']
+QUICK_WORLDS = ['se1', 'lc1']
+
+NO_LAYER = {'mapping.topological_layer': 'false'}
+ENCODERS = {'odometry.source': 'topic'}
+MOTION_ONLY = {'until': 'odometry'}
+# The motion within a scan taken from the scan before, not solved: what most LiDAR odometries do.
+LAST_VELOCITY = {'odometry.motion.model': 'last_velocity'}
+
+
+class Variant:
+    """One way of mapping: parameters over the defaults, and the row that tells of it."""
+
+    def __init__(self, name, label, *settings):
+        self.name, self.label = name, label
+        self.settings = {key: value for part in settings for key, value in part.items()}
+
+    @property
+    def argument(self):
+        return self.name + (':' if self.settings else '') + ','.join(f'{k}={v}' for k, v in self.settings.items())
+
+    @property
+    def maps(self):
+        return self.settings.get('until') != 'odometry'
+
+
+class Experiment:
+    """Worlds and the variants run on each. `duration`: worlds of which only the beginning is used [s]."""
+
+    def __init__(self, name, worlds, variants, duration=None):
+        self.name, self.worlds, self.variants, self.duration = name, worlds, variants, duration or {}
+
+    def variants_on(self, world):
+        return [v for v in self.variants if not (v.settings.get('odometry.source') == 'topic' and world in NO_ROBOT)]
+
+
+NO_ROBOT = ['fast_walker']  # carried by a person: there are no wheels or legs to count
+
+MAPS = Experiment('maps', PAPER_WORLDS + FURTHER_WORLDS, [
+    Variant('full', 'this package'),
+    Variant('no_layer', 'this package without topological layer', NO_LAYER),
+    Variant('odometry', 'this package, odometry alone', MOTION_ONLY),
+    Variant('encoders', 'this package', ENCODERS),
+    Variant('encoders_no_layer', 'this package without topological layer', ENCODERS, NO_LAYER),
+    Variant('encoders_odometry', 'encoder odometry alone', ENCODERS, MOTION_ONLY)])
+
+
+def motion(name, label, settings=None):
+    return Variant(name, label, MOTION_ONLY, settings or {})
+
+
+ODOMETRY = Experiment('odometry', ['se1', 'cf1', 'le1'], [
+    motion('default', 'as shipped: two faces, window of two scans, two pieces of motion a scan'),
+    motion('one_face', 'one Gaussian a voxel: the faces of a wall not kept apart', {'odometry.map.two_faces': 'false'}),
+    motion('one_segment', 'one piece of motion a scan', {'odometry.motion.segments': 1}),
+    motion('three_segments', 'three pieces', {'odometry.motion.segments': 3}),
+    motion('voxel_05', 'voxels of 0.5 m only', {'odometry.map.voxel': 0.5, 'odometry.map.levels': 1}),
+    motion('voxel_10', 'voxels of 1.0 m only', {'odometry.map.levels': 1}),
+    motion('no_wide', 'no wider voxels for the rough alignment', {'odometry.map.wide_levels': 0}),
+    motion('keypoints_03', 'keypoints: one in 0.3 m instead of 0.2 m', {'odometry.motion.keypoint_leaf': 0.3}),
+    motion('keypoints_01', 'keypoints: one in 0.1 m', {'odometry.motion.keypoint_leaf': 0}),
+    motion('loose_prior', 'prior on the change of velocity five times looser', {'odometry.motion.rotation_sigma': 4.5e-3, 'odometry.motion.translation_sigma': 7.5e-3}),
+], duration={'le1': 440})
+
+PLANES = Experiment('planes', ['se1', 'se2', 'cf1'], [
+    Variant('scans_tangent', 'all scans since the last, fitted plane', NO_LAYER, {'odometry.keyframe.cloud': 'scans', 'mapping.factors.plane_factor': 'tangent'}),
+    Variant('scans_points', 'all scans since the last, points', NO_LAYER, {'odometry.keyframe.cloud': 'scans', 'mapping.factors.plane_factor': 'points'}),
+    Variant('scan_tangent', 'one scan, fitted plane', NO_LAYER, {'odometry.keyframe.cloud': 'scan', 'mapping.factors.plane_factor': 'tangent'}),
+    Variant('scan_points', 'one scan, points', NO_LAYER, {'odometry.keyframe.cloud': 'scan', 'mapping.factors.plane_factor': 'points'})])
+
+# The mechanisms, each switched against the default, and the odometries under which they have to show what they are for.
+MECHANISMS = [
+    ('whole', 'as shipped', {}),
+    ('no_layer', 'no topological layer: no rooms, no corridors', NO_LAYER),
+    ('no_parallel', 'without parallel and perpendicular walls as factors', {'mapping.topology.parallel_factors': 'false'}),
+    ('widths', 'with widths as factors', {'mapping.topology.width_factors': 'true'}),
+    ('thickness', 'with thicknesses of walls as factors', {'mapping.topology.thickness_factors': 'true'}),
+    ('no_merging', 'without merging of duplicate planes', {'mapping.merging.enabled': 'false'}),
+    ('map_axes', "classes of walls in the map's axes, not the building's", {'mapping.semantics.dominant_frame': 'false'}),
+    ('no_loops', 'without loop closure by scan matching', {'mapping.loops.enabled': 'false'})]
+ODOMETRIES = [
+    ('lidar', 'LiDAR odometry as shipped', {}),
+    # ('last_velocity', 'LiDAR odometry made worse: deskewed with the last velocity only', LAST_VELOCITY),
+    ('encoders', "the robot's encoder odometry: 1.2 % wrong in scale, drifting in heading", ENCODERS)]
+
+TOPOLOGY = Experiment('topology', ['se1', 'se2', 'cf1', 'oblique'], [
+    Variant(f'{source}_{name}', label, settings, odometry) for source, _, odometry in ODOMETRIES for name, label, settings in MECHANISMS])
+
+EXPERIMENTS = {e.name: e for e in (MAPS, ODOMETRY, PLANES, TOPOLOGY)}
+
+
+def restricted(experiment, worlds, only=None):
+    """The experiment on some of its worlds, with some of its variants."""
+    variants = [v for v in experiment.variants if only is None or v.name in only]
+    return Experiment(experiment.name, [w for w in experiment.worlds if w in worlds], variants, experiment.duration)
+
+
+def world_file(root, world):
+    return os.path.join(root, 'worlds', world + '.yaml')
