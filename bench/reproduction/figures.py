@@ -9,6 +9,8 @@ def statistics(values):
 
 
 def millimetres(metres):
+    if metres >= 1:
+        return f'{metres:.1f} m'
     return f'{1000 * metres:.1f}' if metres < 0.1 else f'{1000 * metres:.0f}'
 
 
