@@ -81,8 +81,8 @@ class Progress:
 class Runner:
     """Runs jobs and remembers what failed."""
 
-    def __init__(self, root, programs, folder, assignments, processes):
-        self.root, self.programs, self.folder = root, programs, folder
+    def __init__(self, root, programs, folder, assignments, processes, commit):
+        self.root, self.programs, self.folder, self.commit = root, programs, folder, commit
         self.assignments, self.processes = assignments, processes
         self.failures = []
         self.children = set()
@@ -180,6 +180,8 @@ class Runner:
         run = os.path.join(job.folder, variant.name)
         picture = [] if job.experiment.name == 'maps' and variant.maps else ['--no-picture']
         self.call(job, [self.program('evaluate'), run, '--truth', job.folder, *picture], lambda line: None, 'a')
+        with open(os.path.join(run, 'commit'), 'w') as file:
+            file.write(self.commit)
         with open(os.path.join(run, 'key'), 'w') as file:
             file.write(self.key(job, variant))
 
@@ -201,12 +203,17 @@ class Runner:
                 raise RuntimeError(f'{last or "no message"} (exit status {child.returncode}; see {path})')
 
     def result(self, experiment, world, variant):
-        """(evaluation, report) of a run that is up to date, or None."""
+        """(evaluation, report, commit) of a run that is up to date, or None."""
         job = Job(experiment, world, self.folder, self.root) if os.path.exists(world_file(self.root, world)) else None
         if job is None or not self.is_done(job, variant):
             return None
         run = os.path.join(job.folder, variant.name)
-        return read_json(os.path.join(run, 'evaluation.json')), read_json(os.path.join(run, 'report.json'))
+        with open(os.path.join(run, 'commit')) as file:
+            commit = file.read()
+        return read_json(os.path.join(run, 'evaluation.json')), read_json(os.path.join(run, 'report.json')), commit
+
+    def picture(self, experiment, world, name):
+        return os.path.join(self.folder, experiment.name, world, name, 'evaluation.png')
 
     def simulation(self, experiment, world):
         path = os.path.join(self.folder, experiment.name, world, 'simulation.json')

@@ -3,6 +3,7 @@ from . import figures as f
 from . import published
 from .experiments import FURTHER_WORLDS, MAPS, MECHANISMS, ODOMETRIES, ODOMETRY, PAPER_WORLDS, PLANES, TOPOLOGY
 
+PICTURES = {'se1': 'images/se1.png', 'le1': 'images/le1.png'}  # world: file beside the page
 ROBOT_WORLDS = PAPER_WORLDS + ['oblique', 'two_wings', 'people']
 
 
@@ -34,9 +35,13 @@ class Results:
         """A figure of a run, a dash when there is none."""
         result = self.of(experiment, world, name)
         try:
-            return figure(*result) if result else '-'
+            return figure(*result[:2]) if result else '-'
         except (KeyError, TypeError):
             return '-'
+
+    def commits(self):
+        """Of the runs that were read."""
+        return sorted({result[2] for result in self.read.values() if result})
 
     def row(self, label, name, worlds, figure, bold=False):
         """A figure of one variant of the maps in several worlds; nothing when none has it."""
@@ -100,7 +105,8 @@ def worlds(results):
     cost = rows([('odometry', f.stage_cpu('prefilter', 'odometry')), ('odometry', f.scan_p99), ('full', f.stage_cpu('segmentation', per_second=True)),
                  ('full', f.stage_cpu('mapping', per_second=True)), ('full', f.speed), ('full', f.memory)])
     names = {title(w): w for w in every}
-    return ['## Every world\n', '### Trajectory, LiDAR only\n',
+    return ['## Every world\n', *(f'![{title(w)}: map from above, true walls, path coloured by its error; rooms and corridors]({link})\n' for w, link in PICTURES.items()),
+            '### Trajectory, LiDAR only\n',
             'ATE [m] of the final poses by what is switched on, of the live poses (known when each scan had been processed), and drift of the odometry over 10 m segments [%] / [deg/m].\n',
             table(['world', 'length', 'odometry alone', 'its live poses', 'without topological layer', 'whole', 'whole, live', 'drift', 'drift, live', 'map to plan [m]'],
                   rows([('full', f.length), ('odometry', f.ate), ('odometry', f.live_ate), ('no_layer', f.ate), ('full', f.ate), ('full', f.live_ate),
