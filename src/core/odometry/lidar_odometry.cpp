@@ -7,6 +7,7 @@
 
 #include "sgraph_slam/core/math/se3.hpp"
 #include "sgraph_slam/core/math/so3.hpp"
+#include "sgraph_slam/core/util/scattered_order.hpp"
 #include "sgraph_slam/core/util/voxel_set.hpp"
 
 namespace sgraph {
@@ -32,10 +33,12 @@ constexpr double covariance_scale = 9.0;  // points on one surface share its err
 // One point in each voxel of the given edge; all when it is 0.
 std::vector<Point> thinned(const std::vector<Point>& points, double leaf) {
   if (leaf <= 0) return points;
-  std::vector<Point> kept;
+  std::vector<char> keep(points.size());
   VoxelSet seen(leaf, points.size());
-  for (const Point& p : points) {
-    if (seen.insert(p.x, p.y, p.z)) kept.push_back(p);
+  visit_scattered(points.size(), [&](std::size_t i) { keep[i] = seen.insert(points[i].x, points[i].y, points[i].z); });
+  std::vector<Point> kept;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    if (keep[i]) kept.push_back(points[i]);
   }
   return kept;
 }

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "outliers.hpp"
+#include "sgraph_slam/core/util/scattered_order.hpp"
 #include "sgraph_slam/core/util/voxel_set.hpp"
 
 namespace sgraph {
@@ -65,7 +66,9 @@ FilteredScan Prefilter::process(const Cloud& raw) const {
   cloud->stamp = raw.stamp;
   cloud->frame = raw.frame;
   cloud->points.reserve(raw.size());
-  for (const Point& p : raw.points) {
+  std::vector<char> keep(raw.size());
+  visit_scattered(raw.size(), [&](std::size_t i) {
+    const Point& p = raw.points[i];
     const double range2 = squared_range(p);
     if (!valid(p, range2)) {
       ++counts.invalid;
@@ -74,8 +77,11 @@ FilteredScan Prefilter::process(const Cloud& raw) const {
     } else if (thin && !taken.insert(p.x, p.y, p.z)) {
       ++counts.voxel;
     } else {
-      cloud->points.push_back(p);
+      keep[i] = 1;
     }
+  });
+  for (std::size_t i = 0; i < raw.size(); ++i) {
+    if (keep[i]) cloud->points.push_back(raw.points[i]);
   }
   counts.outliers = remove_outliers(cloud->points, params_);
   cloud->points.shrink_to_fit();  // scans are kept by keyframes and by the odometry's window

@@ -11,8 +11,24 @@ namespace {
 // A ray closer to the surface than this (about 4 degrees) doesn't tell which side it comes from.
 constexpr double grazing = 0.07;
 
+// Square of the cosine between rays and normal above which points tell of the noise along the ray.
+constexpr float steep = 0.25F;
+
 // Enough new points to be worth another fit: every change while there are few, then every tenth part.
 bool worth_a_fit(int count, int fitted) { return count > fitted + fitted / 10; }
+
+template <typename Scalar>
+Eigen::Matrix3d symmetric(const std::array<Scalar, 6>& o) {
+  Eigen::Matrix<Scalar, 3, 3> m;
+  m << o[0], o[1], o[2], o[1], o[3], o[4], o[2], o[4], o[5];
+  return m.template cast<double>();
+}
+
+double median(std::vector<double>& values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
 
 }  // namespace
 
@@ -54,6 +70,13 @@ void SurfaceMap::insert(const Eigen::Vector3d& point, const Eigen::Vector3d& sen
     face->outer[4] += p.y() * p.z();
     face->outer[5] += p.z() * p.z();
     face->seen_from += ray.cast<float>();
+    const Eigen::Vector3f r = ray.cast<float>();
+    face->rays[0] += r.x() * r.x();
+    face->rays[1] += r.x() * r.y();
+    face->rays[2] += r.x() * r.z();
+    face->rays[3] += r.y() * r.y();
+    face->rays[4] += r.y() * r.z();
+    face->rays[5] += r.z() * r.z();
     ++face->count;
     if (!face->changed && face->count >= params_.min_points && worth_a_fit(face->count, face->fitted)) {
       face->changed = true;
@@ -62,28 +85,40 @@ void SurfaceMap::insert(const Eigen::Vector3d& point, const Eigen::Vector3d& sen
   }
 }
 
-void SurfaceMap::fit(Face& face, const Eigen::Vector3d& origin) {
+void SurfaceMap::fit(Face& face, const Eigen::Vector3d& origin) const {
   const double n = face.count;
   const Eigen::Vector3d mean = face.sum / n;
-  const auto& o = face.outer;
-  Eigen::Matrix3d covariance;
-  covariance << o[0], o[1], o[2], o[1], o[3], o[4], o[2], o[4], o[5];
-  covariance = (covariance - n * mean * mean.transpose()) / (n - 1);
+  const Eigen::Matrix3d covariance = (symmetric(face.outer) - n * mean * mean.transpose()) / (n - 1);
+  // Noise lies along the rays: where they graze the surface it leans the Gaussian towards them. What it adds is known, so it is taken out.
+  const Eigen::Matrix3d along_rays = symmetric(face.rays) / n;
   Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver;
-  solver.computeDirect(covariance);
-  const double smallest = std::max(0.0, solver.eigenvalues()[0]);
-  face.surface.mean = origin + mean;
+  solver.computeDirect(covariance - range_variance_ * along_rays);
   face.surface.normal = solver.eigenvectors().col(0);
+  const double smallest = std::max(0.0, face.surface.normal.dot(covariance * face.surface.normal));
+  face.surface.mean = origin + mean;
+  face.incidence = static_cast<float>(face.surface.normal.dot(along_rays * face.surface.normal));
   if (face.surface.normal.dot(face.seen_from.cast<double>()) < 0) face.surface.normal *= -1;
   face.surface.variance = smallest;
   face.ratio = static_cast<float>(smallest / std::max(1e-12, solver.eigenvalues()[1]));
   face.flat = face.ratio < params_.flat_ratio && smallest < flat_variance_;
   face.fitted = face.count;
-  face.changed = false;
 }
 
 void SurfaceMap::update() {
   const bool first = noise_ == 0;
+  fit_changed();
+  update_noise();
+  // The first scan's Gaussians were fitted before the noise was known.
+  if (first && noise_ > 0) fit_changed();
+  for (Level& level : levels_) {
+    for (const std::uint32_t i : level.changed) {
+      for (Face& face : level.voxels[i].faces) face.changed = false;
+    }
+    level.changed.clear();
+  }
+}
+
+void SurfaceMap::fit_changed() {
   for (Level& level : levels_) {
     for (const std::uint32_t i : level.changed) {
       Voxel& voxel = level.voxels[i];
@@ -91,17 +126,6 @@ void SurfaceMap::update() {
         if (face.changed) fit(face, voxel.origin);
       }
     }
-    if (!first) level.changed.clear();
-  }
-  update_noise();
-  if (!first) return;
-  // The first scan's Gaussians were judged before the noise was known.
-  for (Level& level : levels_) {
-    for (const std::uint32_t i : level.changed) {
-      for (Face& face : level.voxels[i].faces)
-        face.flat = face.fitted > 0 && face.ratio < params_.flat_ratio && face.surface.variance < flat_variance_;
-    }
-    level.changed.clear();
   }
 }
 
@@ -109,15 +133,17 @@ void SurfaceMap::update_noise() {
   // Of the middle level: large enough to hold several stripes, small enough to be one surface. A sample keeps it cheap.
   const Level& level = levels_[static_cast<std::size_t>(params_.levels) / 2];
   std::vector<double> variances;
+  std::vector<double> along_ray;
   const std::size_t step = 1 + level.voxels.size() / 500;
   for (std::size_t i = 0; i < level.voxels.size(); i += step) {
     const Face& face = level.voxels[i].faces[0];
-    if (face.fitted >= params_.min_points && face.ratio < params_.flat_ratio) variances.push_back(face.surface.variance);
+    if (face.fitted < params_.min_points || face.ratio >= params_.flat_ratio) continue;
+    variances.push_back(face.surface.variance);
+    if (face.incidence > steep) along_ray.push_back(face.surface.variance / static_cast<double>(face.incidence));
   }
   if (variances.size() < 10) return;
-  const auto middle = variances.begin() + static_cast<std::ptrdiff_t>(variances.size() / 2);
-  std::nth_element(variances.begin(), middle, variances.end());
-  noise_ = std::sqrt(*middle);
+  noise_ = std::sqrt(median(variances));
+  if (along_ray.size() >= 10) range_variance_ = median(along_ray);
   const double limit = std::max(params_.flat_sigma, 1.5 * noise_);
   flat_variance_ = limit * limit;
 }

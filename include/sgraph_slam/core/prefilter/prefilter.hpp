@@ -22,12 +22,12 @@ struct FilteredScan {
 
 /// First stage: thins a raw scan and drops what can't be a surface. Stateless; same scan, same result.
 ///
-/// Thinning keeps the first point of each voxel, not the mean (a mean has no firing time and lies off the surface at edges) and not the point
-/// nearest the voxel's centre: that choice depends on the noise and draws a wall that runs along the grid towards the centres of its cells.
-/// For the same reason the grid stands on a corner of its cells, with the vertical along their diagonal: were it aligned with a floor that lies
-/// near a layer's boundary, the few points that the noise lifts into the next layer would count as much as all others, and move the floor by
-/// half a sigma. Floors and walls, at every heading, cross this grid at 35 degrees or more to its axes, and the effect averages out within a
-/// few cells. A plane gets about 1.4 to 1.7 points per leaf^2.
+/// Thinning keeps one point of each voxel, not the mean (a mean has no firing time and lies off the surface at edges) and not the point nearest the
+/// voxel's centre: that choice depends on the noise and draws a wall that runs along the grid towards the centres of its cells. Nor is it the one
+/// fired first (see `visit_scattered`). For the same reason the grid stands on a corner of its cells, with the vertical along their diagonal: were it
+/// aligned with a floor that lies near a layer's boundary, the few points that the noise lifts into the next layer would count as much as all others,
+/// and move the floor by half a sigma. Floors and walls, at every heading, cross this grid at 35 degrees or more to its axes, and the effect averages
+/// out within a few cells. A plane gets about 1.4 to 1.7 points per leaf^2.
 class Prefilter {
  public:
   /// Throws std::runtime_error when min_range isn't below max_range, or when the leaf is so small that cells can't be numbered.

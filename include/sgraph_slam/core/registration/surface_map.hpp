@@ -82,7 +82,9 @@ class SurfaceMap {
     Eigen::Vector3d sum = Eigen::Vector3d::Zero();        // relative to the origin of the voxel
     std::array<double, 6> outer{};                        // xx xy xz yy yz zz
     Eigen::Vector3f seen_from = Eigen::Vector3f::Zero();  // sum of unit rays to the sensor
+    std::array<float, 6> rays{};                          // sum of their outer products, as above
     float ratio = 1;                                      // smallest variance by the next
+    float incidence = 0;                                  // mean square of the cosine between rays and normal
   };
   struct Voxel {
     Eigen::Vector3d origin;
@@ -97,12 +99,14 @@ class SurfaceMap {
   [[nodiscard]] const Surface* match_in(const Level& level, const Eigen::Vector3d& at, const Eigen::Vector3d& point, const Eigen::Vector3d& sensor,
                                         double gate) const;
   Face* face_for(Voxel& voxel, const Eigen::Vector3d& ray) const;
-  void fit(Face& face, const Eigen::Vector3d& origin);
+  void fit(Face& face, const Eigen::Vector3d& origin) const;
+  void fit_changed();
   void update_noise();
 
   SurfaceMapParams params_;
   std::vector<Level> levels_;
   double noise_ = 0;
+  double range_variance_ = 0;  // of a point along its ray [m^2]
   double flat_variance_;
 };
 
