@@ -50,8 +50,8 @@ class Job:
 class Progress:
     """A line that tells how far all jobs are."""
 
-    def __init__(self, jobs, quiet):
-        self.jobs, self.quiet = jobs, quiet
+    def __init__(self, jobs):
+        self.jobs = jobs
         self.begin = time.monotonic()
         self.lock = threading.Lock()
         self.terminal = sys.stderr.isatty()
@@ -130,7 +130,7 @@ class Runner:
         return sorted(jobs, key=lambda j: -j.cost)
 
     def run(self, jobs):
-        progress = Progress(jobs, quiet=False)
+        progress = Progress(jobs)
         with concurrent.futures.ThreadPoolExecutor(self.processes) as pool:
             try:
                 for done in concurrent.futures.as_completed([pool.submit(self.run_job, job, progress) for job in jobs]):
