@@ -87,7 +87,7 @@ ODOMETRIES = [
     # ('last_velocity', 'LiDAR odometry made worse: deskewed with the last velocity only', LAST_VELOCITY),
     ('encoders', "the robot's encoder odometry: 1.2 % wrong in scale, drifting in heading", ENCODERS)]
 
-TOPOLOGY = Experiment('topology', ['se1', 'se2', 'cf1', 'oblique'], [
+TOPOLOGY = Experiment('topology', ['se1', 'se2', 'cf1'], [
     Variant(f'{source}_{name}', label, settings, odometry) for source, _, odometry in ODOMETRIES for name, label, settings in MECHANISMS])
 
 EXPERIMENTS = {e.name: e for e in (MAPS, ODOMETRY, PLANES, TOPOLOGY)}
