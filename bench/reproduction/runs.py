@@ -165,16 +165,18 @@ class Runner:
         if self.stopping:
             return
         begin = time.monotonic()
+        outcome = f'{len(job.variants)} runs'
         try:
             self.map_world(job, progress)
             for variant in job.variants:
                 self.evaluate(job, variant)
         except (OSError, RuntimeError) as error:
-            if not self.stopping:
-                self.failures.append(f'{job.name}: {error}')
+            if self.stopping:
+                return
+            self.failures.append(f'{job.name}: {error}')
+            outcome = 'FAILED'
         job.share = 1.0
-        minutes = (time.monotonic() - begin) / 60
-        progress.show(f'{job.name}: {len(job.variants)} runs in {minutes:.1f} min')
+        progress.show(f'{job.name}: {outcome} in {(time.monotonic() - begin) / 60:.1f} min')
 
     def map_world(self, job, progress):
         os.makedirs(job.folder, exist_ok=True)

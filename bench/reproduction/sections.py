@@ -7,6 +7,14 @@ PICTURES = {'se1': 'images/se1.png', 'le1': 'images/le1.png'}  # world: file bes
 ROBOT_WORLDS = PAPER_WORLDS + ['oblique', 'two_wings', 'people']
 
 
+def text_of(part, results):
+    """The lines of a part; the first is its heading."""
+    experiment, function = SECTIONS[part]
+    if results.worlds(experiment):
+        return function(results)
+    return [f'## Ablation: {part}\n', f'No runs yet: `bench/reproduce --tables {part}`.\n']
+
+
 def table(head, rows):
     """Rows of text as Markdown."""
     lines = ['| ' + ' | '.join(head) + ' |', '|---' * len(head) + '|']
@@ -38,6 +46,10 @@ class Results:
             return figure(*result[:2]) if result else '-'
         except (KeyError, TypeError):
             return '-'
+
+    def worlds(self, experiment):
+        """Those of which there are runs."""
+        return [w for w in experiment.worlds if any(self.of(experiment, w, v.name) for v in experiment.variants_on(w))]
 
     def commits(self):
         """Of the runs that were read."""
@@ -105,7 +117,7 @@ def worlds(results):
     cost = rows([('odometry', f.stage_cpu('prefilter', 'odometry')), ('odometry', f.scan_p99), ('full', f.stage_cpu('segmentation', per_second=True)),
                  ('full', f.stage_cpu('mapping', per_second=True)), ('full', f.speed), ('full', f.memory)])
     names = {title(w): w for w in every}
-    return ['## Every world\n', *(f'![{title(w)}: map from above, true walls, path coloured by its error; rooms and corridors]({link})\n' for w, link in PICTURES.items()),
+    return ['## Every world\n', *(f'![{title(w)}: map from above, true walls, path coloured by its error; rooms and corridors]({link})\n' for w, link in PICTURES.items() if results.of(MAPS, w, 'full')),
             '### Trajectory, LiDAR only\n',
             'ATE [m] of the final poses by what is switched on, of the live poses (known when each scan had been processed), and drift of the odometry over 10 m segments [%] / [deg/m].\n',
             table(['world', 'length', 'odometry alone', 'its live poses', 'without topological layer', 'whole', 'whole, live', 'drift', 'drift, live', 'map to plan [m]'],
@@ -133,14 +145,14 @@ def begun(experiment, world):
 
 
 def odometry(results):
-    e = ODOMETRY
+    e, among = ODOMETRY, results.worlds(ODOMETRY)
     rows = []
     for variant in e.variants:
-        rows.append([variant.label] + [results.cell(e, w, variant.name, figure) for w in e.worlds for figure in (f.ate_and_live_mm, f.drift)] +
-                    [results.cell(e, e.worlds[0], variant.name, f.stage_cpu('prefilter', 'odometry'))])
-    head = ['LiDAR odometry alone'] + [text for w in e.worlds for text in (f'{begun(e, w)}: ATE (live) [mm]', 'drift')] + ['CPU a scan [ms]']
+        rows.append([variant.label] + [results.cell(e, w, variant.name, figure) for w in among for figure in (f.ate_and_live_mm, f.drift)] +
+                    [results.cell(e, among[0], variant.name, f.stage_cpu('prefilter', 'odometry'))])
+    head = ['LiDAR odometry alone'] + [text for w in among for text in (f'{begun(e, w)}: ATE (live) [mm]', 'drift')] + ['CPU a scan [ms]']
     return ['## Ablation: odometry\n',
-            'Each row changes one thing. ATE of the final (live) poses, drift over 10 m segments [%] / [deg/m], CPU time of prefilter and odometry a scan on ' + title(e.worlds[0]) + '. No graph, no loops.\n', table(head, rows)]
+            'Each row changes one thing. ATE of the final (live) poses, drift over 10 m segments [%] / [deg/m], CPU time of prefilter and odometry a scan on ' + title(among[0]) + '. No graph, no loops.\n', table(head, rows)]
 
 
 def planes(results):
@@ -148,16 +160,16 @@ def planes(results):
     text = ['## Ablation: what a keyframe\'s cloud is, and how an observed plane enters the graph\n',
             'Without topological layer. A keyframe\'s cloud is one deskewed scan, or all scans since the keyframe before, put together with the odometry (`odometry.keyframe.cloud`); an observed plane enters as the fitted plane or as its points '
             '(`mapping.factors.plane_factor`). ATE [mm]; walls found, their duplicates, median error of normal [deg] / position [mm]; map to plan [mm]; CPU time of segmentation / mapping [ms a second of data].\n']
-    for world in e.worlds:
+    for world in results.worlds(e):
         columns = [f.ate_mm, f.walls_found, f.wall_duplicates, f.wall_errors, f.map_rmse_mm, f.stage_cpu('segmentation', per_second=True), f.stage_cpu('mapping', per_second=True)]
         rows = [[v.label] + [results.cell(e, world, v.name, c) for c in columns] for v in e.variants]
         text.append(table([title(world), 'ATE', 'walls', 'duplicates', 'errors', 'map to plan', 'segmentation', 'mapping'], rows))
     return text
 
 
-def total_places(results, experiment, name):
+def total_places(results, experiment, among, name):
     found = true = wrong = 0
-    for world in experiment.worlds:
+    for world in among:
         result = results.of(experiment, world, name)
         if not result or 'rooms' not in result[0]:
             return '-'
@@ -168,15 +180,15 @@ def total_places(results, experiment, name):
 
 
 def topology(results):
-    e = TOPOLOGY
+    e, among = TOPOLOGY, results.worlds(TOPOLOGY)
     text = ['## Ablation: topological layer and what belongs to it\n',
             'Each row switches one mechanism. With a good odometry the layer has little to mend, so it is shown with worse ones too. ATE [mm] / map to plan [mm]; rooms and corridors found in all of these worlds.\n']
     for source, label, _ in ODOMETRIES:
         rows = []
         for name, mechanism, _ in MECHANISMS:
-            cells = [' / '.join(results.cell(e, w, f'{source}_{name}', c) for c in (f.ate_mm, f.map_rmse_mm)) for w in e.worlds]
-            rows.append([mechanism] + ['-' if c == '- / -' else c for c in cells] + [total_places(results, e, f'{source}_{name}')])
-        text += [f'### With {label}\n', table(['mechanism'] + [title(w) for w in e.worlds] + ['rooms and corridors'], rows)]
+            cells = [' / '.join(results.cell(e, w, f'{source}_{name}', c) for c in (f.ate_mm, f.map_rmse_mm)) for w in among]
+            rows.append([mechanism] + ['-' if c == '- / -' else c for c in cells] + [total_places(results, e, among, f'{source}_{name}')])
+        text += [f'### With {label}\n', table(['mechanism'] + [title(w) for w in among] + ['rooms and corridors'], rows)]
     return text
 
 
