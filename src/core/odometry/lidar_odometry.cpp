@@ -55,13 +55,16 @@ double LidarOdometry::noise() const { return std::max(least_noise, map_.noise())
 
 LidarOdometry::WindowScan LidarOdometry::prepare(const CloudPtr& cloud) const {
   WindowScan scan;
-  scan.cloud = cloud;
   scan.time = cloud->stamp - *origin_;
-  const TimeSpan firing = firing_times(*cloud);
+  scan.cloud = cloud;
+  // Without times from here on.
+  if (params_.motion.model == "none") scan.cloud = deskew(*cloud, scan.time, {Knot{}});
+  if (params_.motion.model == "velocity") scan.cloud = deskew(*cloud, scan.time, knots_.empty() ? Knots{Knot{}} : knots_);
+  const TimeSpan firing = firing_times(*scan.cloud);
   scan.begin = scan.time + firing.begin;
   scan.end = scan.time + firing.end;
   if (scan.end - scan.begin < no_times) scan.begin = scan.end = scan.time;
-  scan.keypoints = thinned(cloud->points, params_.motion.keypoint_leaf);
+  scan.keypoints = thinned(scan.cloud->points, params_.motion.keypoint_leaf);
   return scan;
 }
 
@@ -121,7 +124,7 @@ RigidAlignmentResult LidarOdometry::align(const WindowScan& scan) const {
   options.kernel_begin = untrusted_ > 0 ? 1.0 : 0.5;
   options.kernel_end = std::max(0.1, 4.0 * noise());
   RigidAlignmentResult best = align_rigidly(map_, points, options);
-  const bool far_ahead = scan.end - window_.back().end > long_gap;
+  const bool far_ahead = scan.end - last_end_ > long_gap;
   if (!far_ahead && best.inlier_share >= poor_share * usual_share_) return best;
   // The prediction was far off (a scan after a gap, a jerk): look around for a better start with few of the points, and align all of them from the
   // best.
@@ -152,7 +155,7 @@ bool LidarOdometry::plausible(const WindowScan& scan, const RigidAlignmentResult
 // Corrections of the prediction to try: the predicted motion or none since the last scan, each turned to the left and right.
 std::vector<Pose> LidarOdometry::other_starts(const WindowScan& scan) const {
   const Pose predicted = pose_at(knots_, scan.end);
-  const Pose held = pose_at(knots_, window_.back().end);
+  const Pose held = pose_at(knots_, last_end_);
   std::vector<Pose> starts;
   for (const Pose& base : {predicted, held}) {
     for (int i = -widest_turn; i <= widest_turn; ++i) {
@@ -167,7 +170,7 @@ WindowResult LidarOdometry::solve(const RigidAlignmentResult& alignment) {
   // The newest scan's knots start from the rigid alignment; where it moved far, the velocity has changed and the prior must let it.
   const double factor =
       std::max({1.0, alignment.rotation / (15 * params_.motion.rotation_sigma), alignment.translation / (15 * params_.motion.translation_sigma)});
-  const double from = window_.size() > 1 ? window_[window_.size() - 2].end : knots_[static_cast<std::size_t>(first_free_) - 1].time;
+  const double from = moving_known_ ? last_end_ : knots_[static_cast<std::size_t>(first_free_) - 1].time;
   for (std::size_t i = static_cast<std::size_t>(first_free_) - 1; i < knots_.size(); ++i) {
     if (knots_[i].time < from - 1e-9) continue;
     if (knots_[i].time > from + 1e-9 && static_cast<int>(i) >= first_free_) knots_[i].pose = alignment.correction * knots_[i].pose;
@@ -256,11 +259,10 @@ void LidarOdometry::judge(WindowScan& scan, const WindowResult& solved, const Ri
   }
   // A short blindness is bridged by the prediction; a longer one, or one after a gap, must not run away.
   knots_ = predicted;
-  const double before = window_.size() > 1 ? window_[window_.size() - 2].end : scan.begin;
-  const Pose held = pose_at(knots_, before);
-  if (untrusted_ >= longest_blindness || scan.end - before > long_gap) {
+  const Pose held = pose_at(knots_, last_end_);
+  if (untrusted_ >= longest_blindness || scan.end - last_end_ > long_gap) {
     for (Knot& knot : knots_) {
-      if (knot.time > before + 1e-9) knot.pose = held;
+      if (knot.time > last_end_ + 1e-9) knot.pose = held;
     }
   }
   ++untrusted_;
@@ -341,9 +343,11 @@ MotionOutput LidarOdometry::process(const CloudPtr& cloud) {
     scan = newest;
   }
   output.live = live_estimate(scan, solved);
-  if (window_.size() == 1) output.live.status = OdometryStatus::started;
+  if (solved.iterations == 0) output.live.status = OdometryStatus::started;
   output.deskewed = deskew(*scan.cloud, scan.time, knots_);
-  if (window_.size() > 1) output.finals.push_back(leave_window());
+  last_end_ = scan.end;
+  const std::size_t kept = params_.motion.model == "scan" && moving_known_ ? 0 : 1;
+  while (window_.size() > kept) output.finals.push_back(leave_window());
   return output;
 }
 

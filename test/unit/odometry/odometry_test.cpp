@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <map>
+
 #include "sgraph_slam/core/math/se3.hpp"
 #include "sgraph_slam/core/math/so3.hpp"
 #include "sgraph_slam/core/prefilter/prefilter.hpp"
@@ -88,6 +90,23 @@ TEST(Odometry, WithoutPointTimesOnePoseAScan) {
     scan = timeless;
   }
   EXPECT_LT(worst_error(run_odometry(scans.scans, scans.T_base_lidar).finals, scans.truth), 0.04);
+}
+
+TEST(Odometry, TheMotionWithinTheScanIsWorthFinding) {
+  const auto scans = demo(120, {}, 60);
+  std::map<std::string, double> error;
+  for (const char* model : {"window", "scan", "velocity", "none"}) {
+    OdometryParams params;
+    params.motion.model = model;
+    const Outcome run = run_odometry(scans.scans, scans.T_base_lidar, params);
+    ASSERT_EQ(run.finals.size(), scans.scans.size()) << model;
+    for (std::size_t i = 0; i < run.finals.size(); ++i) EXPECT_EQ(run.finals[i].stamp, scans.scans[i]->stamp) << model;
+    error[model] = worst_error(run.finals, scans.truth);
+  }
+  EXPECT_LT(error["window"], 0.02);
+  EXPECT_GT(error["velocity"], 1.5 * error["window"]);
+  EXPECT_GT(error["none"], 3 * error["window"]);
+  for (const auto& [model, worst] : error) EXPECT_LT(worst, 0.15) << model;
 }
 
 TEST(Odometry, SameScansSameResult) {

@@ -63,9 +63,10 @@ class LidarOdometry : public MotionSource {
   Knots knots_;                       // of the scans in the window, and two before for the prior
   int first_free_ = 1;                // knots before it are final
   std::vector<VelocityPrior> prior_;  // a knot
-  std::vector<WindowScan> window_;    // one or two scans
+  std::vector<WindowScan> window_;    // the scans that are not final: up to two while a scan is processed
   bool moving_known_ = false;         // the motion during the first scan has been found
   int untrusted_ = 0;                 // scans in a row that the map didn't explain
+  double last_end_ = 0;               // of the scan before the newest
   double trusted_until_ = 0;          // end of the last scan that the map explained
   double usual_share_ = 0;            // of points that match, over the last scans
 };
