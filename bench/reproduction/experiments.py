@@ -9,7 +9,7 @@ NO_LAYER = {'mapping.topological_layer': 'false'}
 ENCODERS = {'odometry.source': 'topic'}
 MOTION_ONLY = {'until': 'odometry'}
 # The motion within a scan taken from the scan before, not solved: what most LiDAR odometries do.
-LAST_VELOCITY = {'odometry.motion.model': 'last_velocity'}
+LAST_VELOCITY = {'odometry.motion.model': 'velocity'}
 
 
 class Variant:
@@ -55,6 +55,9 @@ def motion(name, label, settings=None):
 
 ODOMETRY = Experiment('odometry', ['se1', 'cf1', 'le1'], [
     motion('default', 'as shipped: two faces, window of two scans, two pieces of motion a scan'),
+    motion('motion_scan', 'each scan alone, its begin held at the end of the last', {'odometry.motion.model': 'scan'}),
+    motion('motion_velocity', 'deskewed with the last velocity, one pose a scan', LAST_VELOCITY),
+    motion('motion_none', 'not deskewed, one pose a scan', {'odometry.motion.model': 'none'}),
     motion('one_face', 'one Gaussian a voxel: the faces of a wall not kept apart', {'odometry.map.two_faces': 'false'}),
     motion('one_segment', 'one piece of motion a scan', {'odometry.motion.segments': 1}),
     motion('three_segments', 'three pieces', {'odometry.motion.segments': 3}),
@@ -84,7 +87,7 @@ MECHANISMS = [
     ('no_loops', 'without loop closure by scan matching', {'mapping.loops.enabled': 'false'})]
 ODOMETRIES = [
     ('lidar', 'LiDAR odometry as shipped', {}),
-    # ('last_velocity', 'LiDAR odometry made worse: deskewed with the last velocity only', LAST_VELOCITY),
+    ('last_velocity', 'LiDAR odometry made worse: deskewed with the last velocity only', LAST_VELOCITY),
     ('encoders', "the robot's encoder odometry: 1.2 % wrong in scale, drifting in heading", ENCODERS)]
 
 TOPOLOGY = Experiment('topology', ['se1', 'se2', 'cf1'], [
