@@ -1,5 +1,6 @@
 """Runs experiments: a process a world, as many at once as there are cores; keeps what is finished."""
 import concurrent.futures
+import fcntl
 import hashlib
 import json
 import os
@@ -86,6 +87,7 @@ class Runner:
         self.assignments, self.processes = assignments, processes
         self.failures = []
         self.children = set()
+        self.lock = None
         self.stopping = False
         self.known = self.parameters()
         self.program_digest = self.digest_of([self.program('run_world'), self.program('evaluate')])
@@ -146,7 +148,17 @@ class Runner:
                     jobs.append(job)
         return sorted(jobs, key=lambda j: -j.cost)
 
+    def lock_folder(self):
+        """Two at once would write into each other's runs."""
+        os.makedirs(self.folder, exist_ok=True)
+        self.lock = open(os.path.join(self.folder, 'lock'), 'w')
+        try:
+            fcntl.flock(self.lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError:
+            sys.exit(f'bench/reproduce: another one is running in {self.folder}')
+
     def run(self, jobs):
+        self.lock_folder()
         progress = Progress(jobs)
         with concurrent.futures.ThreadPoolExecutor(self.processes) as pool:
             try:
@@ -180,9 +192,9 @@ class Runner:
 
     def map_world(self, job, progress):
         os.makedirs(job.folder, exist_ok=True)
-        for variant in job.variants:
-            shutil.rmtree(os.path.join(job.folder, variant.name), ignore_errors=True)
-        command = [self.program('run_world'), world_file(self.root, job.world), '--out', job.folder, '--threads', '1']
+        fresh = self.fresh(job)
+        shutil.rmtree(fresh, ignore_errors=True)
+        command = [self.program('run_world'), world_file(self.root, job.world), '--out', fresh, '--threads', '1']
         command += ['--duration', str(job.duration)] if job.duration else []
         for assignment in self.assignments:
             command += ['--set', assignment]
@@ -194,6 +206,18 @@ class Runner:
                 job.share = 0.97 * int(match.group(1)) / 100
                 progress.show()
         self.call(job, command, follow, 'w')
+        for name in ('ground_truth.tum', 'truth.json', 'simulation.json'):
+            os.replace(os.path.join(fresh, name), os.path.join(job.folder, name))
+        for variant in job.variants:
+            run = os.path.join(job.folder, variant.name)
+            shutil.rmtree(run, ignore_errors=True)
+            os.replace(os.path.join(fresh, variant.name), run)
+        os.rmdir(fresh)
+
+    @staticmethod
+    def fresh(job):
+        """Where a world is mapped; what was there before stays until that has ended well."""
+        return os.path.join(job.folder, '.fresh')
 
     def evaluate(self, job, variant):
         run = os.path.join(job.folder, variant.name)
