@@ -3,7 +3,7 @@ from . import figures as f
 from . import published
 from .experiments import FURTHER_WORLDS, MAPS, MECHANISMS, ODOMETRIES, ODOMETRY, PAPER_WORLDS, PLANES, TOPOLOGY
 
-PICTURES = {'se1': 'images/se1.png', 'le1': 'images/le1.png'}  # world: file beside the page
+PICTURES = {'cf1': 'images/cf1.png', 'se2': 'images/se2.png'}  # world: file beside the page
 ROBOT_WORLDS = PAPER_WORLDS + ['oblique', 'two_wings', 'people']
 
 
