@@ -25,7 +25,11 @@ constexpr double turn_step = 0.1;         // [rad]
 constexpr double far_rotation = 0.1;      // [rad], and
 constexpr double far_translation = 0.15;  // [m]: corrections of the prediction that ask for better support
 constexpr double fastest_turn = 4.0;      // [rad/s], and
-constexpr double fastest_way = 3.0;       // [m/s]: changes of the motion beyond which a result is not believed
+constexpr double fastest_way = 3.0;       // [m/s]: motions, and changes of the motion, beyond which a result is not believed
+constexpr double step_up = 0.15;          // [m] of height, and
+constexpr double tilt_at_once = 0.15;     // [rad] of tilt that anything may change by between two scans, and
+constexpr double fastest_climb = 0.5;     // [m/s], and
+constexpr double fastest_tilt = 1.0;      // [rad/s]: what robots and people add to that as time goes by
 constexpr double far_share = 0.3;         // of the usual share of matches
 constexpr int longest_blindness = 5;      // scans without registration over which the motion is believed to go on
 constexpr double covariance_scale = 9.0;  // points on one surface share its errors: their residuals are not independent
@@ -46,10 +50,10 @@ std::vector<Point> thinned(const std::vector<Point>& points, double leaf) {
 }  // namespace
 
 LidarOdometry::LidarOdometry(const OdometryParams& params, const Pose& T_base_lidar)
-    : params_(params), T_base_lidar_(T_base_lidar), T_lidar_base_(T_base_lidar.inverse()), map_(params.map) {}
+    : params_(params), T_base_lidar_(T_base_lidar), T_lidar_base_(T_base_lidar.inverse()), sensors_(T_base_lidar), map_(params.map) {}
 
-void LidarOdometry::add(const OdometrySample&) {}
-void LidarOdometry::add(const ImuSample&) {}
+void LidarOdometry::add(const OdometrySample& sample) { sensors_.add(sample); }
+void LidarOdometry::add(const ImuSample& sample) { sensors_.add(sample); }
 
 double LidarOdometry::noise() const { return std::max(least_noise, map_.noise()); }
 
@@ -68,15 +72,27 @@ LidarOdometry::WindowScan LidarOdometry::prepare(const CloudPtr& cloud) const {
   return scan;
 }
 
-// Adds knots up to the scan's end, on the last segment's motion.
+// The pose at a time after the last knot: by the robot's odometry across a gap, by the gyro what the sensor turned, the rest on the last motion.
+Pose LidarOdometry::predicted(double time, bool gap) const {
+  const Knot& last = knots_.back();
+  Pose pose = pose_at(knots_, time);
+  if (gap) {
+    // The last short segment says too little of the velocity: the last whole scan's is taken.
+    const auto segments = std::min<std::size_t>(knots_.size() - 1, static_cast<std::size_t>(params_.motion.segments));
+    const Knot& earlier = knots_[knots_.size() - 1 - segments];
+    const Vector6 motion = se3_log(earlier.pose.inverse() * last.pose) / (last.time - earlier.time);
+    pose = levelled(last.pose, last.pose * se3_exp(motion * (time - last.time)));
+    if (const auto way = sensors_.way(stamp_at(last.time), stamp_at(time))) pose = last.pose * *way;
+  }
+  if (const auto turn = sensors_.turn(stamp_at(last.time), stamp_at(time))) pose.rotation = (last.pose.rotation * *turn).normalized();
+  return pose;
+}
+
+// Adds knots up to the scan's end.
 void LidarOdometry::extend_knots(const WindowScan& scan) {
   const double length = scan.end - scan.begin;
-  // Across a gap the last short segment says too little of the velocity: the last whole scan's is taken.
-  const Knot last = knots_.back();
-  const Knot& earlier = knots_[knots_.size() - 1 - std::min<std::size_t>(knots_.size() - 1, static_cast<std::size_t>(params_.motion.segments))];
-  const Vector6 motion = se3_log(earlier.pose.inverse() * last.pose) / (last.time - earlier.time);
-  const bool gap = scan.begin - last.time > default_step;
-  const auto predict = [&](double time) { knots_.push_back({time, gap ? last.pose * se3_exp(motion * (time - last.time)) : pose_at(knots_, time)}); };
+  const bool gap = scan.begin - knots_.back().time > default_step;
+  const auto predict = [&](double time) { knots_.push_back({time, predicted(time, gap)}); };
   if (length <= 0) {
     predict(scan.end);
   } else {
@@ -135,21 +151,29 @@ RigidAlignmentResult LidarOdometry::align(const WindowScan& scan) const {
   search.kernel_begin = 1.5;
   search.iterations = 10;
   RigidAlignmentResult found;
+  const Pose predicted = pose_at(knots_, scan.end);
   for (const Pose& start : other_starts(scan)) {
     search.start = start;
     const RigidAlignmentResult other = align_rigidly(map_, few, search);
-    if (plausible(scan, other) && other.support > found.support) found = other;
+    if (plausible(scan, other, other.correction * predicted) && other.support > found.support) found = other;
   }
   options.start = found.correction;
   found = align_rigidly(map_, points, options);
-  if (plausible(scan, found) && found.support > clearly_better * best.support) best = found;
+  if (plausible(scan, found, found.correction * predicted) && found.support > clearly_better * best.support) best = found;
   return best;
 }
 
-// A correction that a walking or driving robot can have needed since the last scan that was understood.
-bool LidarOdometry::plausible(const WindowScan& scan, const RigidAlignmentResult& alignment) const {
-  const double blind = scan.end - trusted_until_;
-  return alignment.rotation < far_rotation + fastest_turn * blind && alignment.translation < far_translation + fastest_way * blind;
+// A correction that a walking or driving robot can have needed since the last scan that was understood. Both stay on the floor: the height and the
+// tilt change little.
+bool LidarOdometry::plausible(const WindowScan& scan, const RigidAlignmentResult& alignment, const Pose& now) const {
+  const double blind = scan.end - trusted_.time;
+  const Pose& before = trusted_.pose;
+  const Eigen::Vector3d up = now.rotation * (before.rotation.conjugate() * Eigen::Vector3d::UnitZ());
+  const double tilt = std::acos(std::clamp(up.z(), -1.0, 1.0));
+  const Eigen::Vector3d way = now.translation - before.translation;
+  return alignment.rotation < far_rotation + fastest_turn * blind && alignment.translation < far_translation + fastest_way * blind &&
+         way.norm() < far_translation + fastest_way * blind && tilt < tilt_at_once + fastest_tilt * blind &&
+         std::abs(way.z()) < step_up + fastest_climb * blind;
 }
 
 // Corrections of the prediction to try: the predicted motion or none since the last scan, each turned to the left and right.
@@ -166,6 +190,16 @@ std::vector<Pose> LidarOdometry::other_starts(const WindowScan& scan) const {
   return starts;
 }
 
+// What other sensors say of the motion along the segments that are being solved.
+std::vector<SegmentMeasurement> LidarOdometry::measurements() const {
+  std::vector<SegmentMeasurement> all;
+  for (int i = first_free_ - 1; i + 1 < static_cast<int>(knots_.size()); ++i) {
+    const Knot* knot = &knots_[static_cast<std::size_t>(i)];
+    for (const MeasuredMotion& m : sensors_.between(stamp_at(knot->time), stamp_at(knot[1].time))) all.push_back({i, m});
+  }
+  return all;
+}
+
 WindowResult LidarOdometry::solve(const RigidAlignmentResult& alignment) {
   // The newest scan's knots start from the rigid alignment; where it moved far, the velocity has changed and the prior must let it.
   const double factor =
@@ -176,7 +210,7 @@ WindowResult LidarOdometry::solve(const RigidAlignmentResult& alignment) {
     if (knots_[i].time > from + 1e-9 && static_cast<int>(i) >= first_free_) knots_[i].pose = alignment.correction * knots_[i].pose;
     prior_[i] = {factor * params_.motion.rotation_sigma, factor * params_.motion.translation_sigma};
   }
-  WindowProblem problem{knots_, first_free_, prior_, keypoints_in_window()};
+  WindowProblem problem{knots_, first_free_, prior_, keypoints_in_window(), measurements()};
   WindowOptions options;
   options.iterations = params_.motion.iterations;
   options.noise = noise();
@@ -235,6 +269,9 @@ FinalScan LidarOdometry::leave_window() {
   final.degenerate = scan.degenerate;
   final.cloud = deskew(*scan.cloud, scan.time, knots_);
   if (scan.enters_map) insert(*final.cloud, T_odom_lidar);
+  if (scan.enters_map && last_final_)
+    sensors_.learn(stamp_at(last_final_->time), stamp_at(scan.time), last_final_->pose.rotation.conjugate() * T_odom_lidar.rotation);
+  last_final_ = Knot{scan.time, T_odom_lidar};
   // Held from now on: the knots up to this scan's end. The one before stays for the prior, and those that a stamp at the begin of the next scan
   // needs.
   std::size_t end = 0;
@@ -251,8 +288,8 @@ FinalScan LidarOdometry::leave_window() {
 void LidarOdometry::judge(WindowScan& scan, const WindowResult& solved, const RigidAlignmentResult& alignment, const Knots& predicted) {
   const bool far = alignment.rotation > far_rotation || alignment.translation > far_translation;
   const double needed = std::max(params_.motion.min_inliers, far ? far_share * usual_share_ : 0.0);
-  if (solved.inlier_share >= needed && plausible(scan, alignment)) {
-    trusted_until_ = scan.end;
+  if (solved.inlier_share >= needed && plausible(scan, alignment, pose_at(knots_, scan.end))) {
+    trusted_ = {scan.end, pose_at(knots_, scan.end)};
     untrusted_ = 0;
     usual_share_ += 0.2 * (solved.inlier_share - usual_share_);
     return;
@@ -326,6 +363,7 @@ MotionOutput LidarOdometry::process(const CloudPtr& cloud) {
     begin_map(scan);
     window_.push_back(scan);
     insert_now(scan);
+    trusted_ = knots_.back();
   } else {
     if (scan.end <= knots_.back().time + no_times) {
       output.verdict = ScanVerdict::not_later;

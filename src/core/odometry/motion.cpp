@@ -50,6 +50,11 @@ Pose pose_at(const Knots& knots, double time) {
   return interpolate(knots[i].pose, knots[i + 1].pose, at.fraction);
 }
 
+Pose levelled(const Pose& from, const Pose& to) {
+  const Eigen::Vector3d turn = so3_log(to.rotation * from.rotation.conjugate());
+  return {so3_exp({0, 0, turn.z()}) * from.rotation, {to.translation.x(), to.translation.y(), from.translation.z()}};
+}
+
 CloudPtr deskew(const Cloud& cloud, double stamp_time, const Knots& knots) {
   auto result = std::make_shared<Cloud>(cloud);
   const std::vector<SegmentMotion> motions = segment_motions(knots);

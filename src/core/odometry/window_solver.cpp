@@ -15,7 +15,8 @@ using Eigen::MatrixXd;
 using Eigen::Vector3d;
 using Eigen::VectorXd;
 
-constexpr double prior_step = 0.05;  // seconds that the prior's sigmas are given for
+constexpr double prior_step = 0.05;           // seconds that the prior's sigmas are given for
+constexpr double measurement_kernel2 = 36.0;  // squared standard deviations at which another sensor's say has fallen to a quarter
 
 // Sums over the points of one segment. Every Jacobian is (1 - a) u for the knot before and a u for the knot after, so three weighted sums of u u^T
 // are all.
@@ -48,6 +49,7 @@ class Problem {
     add_points(knots, kernel, l);
     l.h_data = l.h;
     add_prior(knots, l);
+    add_measurements(knots, l);
     return l;
   }
 
@@ -142,6 +144,44 @@ class Problem {
       e.tail<3>() *= wt;
       l.cost += e.squaredNorm();
       add_triple(j, jacobian, e, l);
+    }
+  }
+
+  // Motion along a segment in the axes of its begin, less the measured one. Geman-McClure: a sensor that is far off has no say.
+  void add_measurements(const Knots& knots, Linearisation& l) const {
+    for (const SegmentMeasurement& m : problem_.measurements) {
+      const Pose& begin = knots[static_cast<std::size_t>(m.segment)].pose;
+      const Pose& end = knots[static_cast<std::size_t>(m.segment) + 1].pose;
+      const Pose& motion = m.measured.motion;
+      const Eigen::Matrix3d to_begin = begin.matrix().transpose();
+      const Eigen::Matrix3d to_end = end.matrix().transpose();
+      const Vector3d way = end.translation - begin.translation;
+      Vector6 e;
+      e << so3_log(motion.rotation.conjugate() * begin.rotation.conjugate() * end.rotation), to_begin * way - motion.translation;
+      Eigen::Matrix<double, 6, 12> jacobian = Eigen::Matrix<double, 6, 12>::Zero();
+      const Eigen::Matrix3d turn = so3_right_jacobian_inverse(e.head<3>()) * to_end;
+      jacobian.block<3, 3>(0, 0) = -turn;
+      jacobian.block<3, 3>(0, 6) = turn;
+      jacobian.block<3, 3>(3, 0) = to_begin * skew(way);
+      jacobian.block<3, 3>(3, 3) = -to_begin;
+      jacobian.block<3, 3>(3, 9) = to_begin;
+      const double squared = e.dot(m.measured.information * e);
+      const double share = measurement_kernel2 / (measurement_kernel2 + squared);
+      l.cost += share * squared;
+      add_pair(m.segment, jacobian, share * share * m.measured.information, e, l);
+    }
+  }
+
+  void add_pair(int segment, const Eigen::Matrix<double, 6, 12>& jacobian, const Matrix6& information, const Vector6& e, Linearisation& l) const {
+    for (int a = 0; a < 2; ++a) {
+      const Eigen::Index row = 6 * (segment + a - problem_.first_free);
+      if (row < 0) continue;
+      const Matrix6 weighted = jacobian.block<6, 6>(0, 6 * a).transpose() * information;
+      l.b.segment<6>(row) += weighted * e;
+      for (int c = 0; c < 2; ++c) {
+        const Eigen::Index column = 6 * (segment + c - problem_.first_free);
+        if (column >= 0) l.h.block<6, 6>(row, column) += weighted * jacobian.block<6, 6>(0, 6 * c);
+      }
     }
   }
 

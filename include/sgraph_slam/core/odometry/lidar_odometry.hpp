@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "sgraph_slam/core/odometry/motion.hpp"
+#include "sgraph_slam/core/odometry/motion_sensors.hpp"
 #include "sgraph_slam/core/odometry/motion_source.hpp"
 #include "sgraph_slam/core/odometry/window_solver.hpp"
 #include "sgraph_slam/core/registration/rigid_alignment.hpp"
@@ -39,10 +40,12 @@ class LidarOdometry : public MotionSource {
 
   [[nodiscard]] WindowScan prepare(const CloudPtr& cloud) const;
   void extend_knots(const WindowScan& scan);
+  [[nodiscard]] Pose predicted(double time, bool gap) const;
+  [[nodiscard]] std::vector<SegmentMeasurement> measurements() const;
   void begin_map(const WindowScan& scan);
   void bootstrap(const WindowScan& scan);
   [[nodiscard]] RigidAlignmentResult align(const WindowScan& scan) const;
-  [[nodiscard]] bool plausible(const WindowScan& scan, const RigidAlignmentResult& alignment) const;
+  [[nodiscard]] bool plausible(const WindowScan& scan, const RigidAlignmentResult& alignment, const Pose& now) const;
   [[nodiscard]] std::vector<Pose> other_starts(const WindowScan& scan) const;
   WindowResult solve(const RigidAlignmentResult& alignment);
   [[nodiscard]] std::vector<Keypoint> keypoints_in_window() const;
@@ -53,10 +56,12 @@ class LidarOdometry : public MotionSource {
   void insert(const Cloud& deskewed, const Pose& T_odom_lidar);
   void insert_now(const WindowScan& scan);
   [[nodiscard]] double noise() const;
+  [[nodiscard]] Stamp stamp_at(double time) const { return origin_->after(time); }
 
   OdometryParams params_;
   Pose T_base_lidar_;
   Pose T_lidar_base_;
+  MotionSensors sensors_;
   SurfaceMap map_;
   std::optional<Stamp> origin_;  // zero of the knots' time
   Stamp last_stamp_;
@@ -67,7 +72,8 @@ class LidarOdometry : public MotionSource {
   bool moving_known_ = false;         // the motion during the first scan has been found
   int untrusted_ = 0;                 // scans in a row that the map didn't explain
   double last_end_ = 0;               // of the scan before the newest
-  double trusted_until_ = 0;          // end of the last scan that the map explained
+  Knot trusted_;                      // at the end of the last scan that the map explained
+  std::optional<Knot> last_final_;    // at the stamp of the last final scan, if the map explained it
   double usual_share_ = 0;            // of points that match, over the last scans
 };
 

@@ -5,6 +5,7 @@
 #include <Eigen/Core>
 
 #include "sgraph_slam/core/odometry/motion.hpp"
+#include "sgraph_slam/core/odometry/motion_sensors.hpp"
 #include "sgraph_slam/core/registration/surface_map.hpp"
 
 namespace sgraph {
@@ -22,11 +23,18 @@ struct VelocityPrior {
   double translation_sigma = 0;  ///< change of the way over a 50 ms step [m]
 };
 
+/// Another sensor's measurement of the motion along a segment.
+struct SegmentMeasurement {
+  int segment = 0;  ///< from the knot `segment` to the next
+  MeasuredMotion measured;
+};
+
 struct WindowProblem {
   Knots knots;                       ///< in: predicted, out: solved
   int first_free = 0;                ///< knots before this one are held
   std::vector<VelocityPrior> prior;  ///< a knot; held at the knots 1 .. size - 2, between the segments before and after
   std::vector<Keypoint> keypoints;
+  std::vector<SegmentMeasurement> measurements;
 };
 
 struct WindowOptions {
@@ -46,8 +54,8 @@ struct WindowResult {
   Eigen::MatrixXd data_information;  ///< the same from the points alone
 };
 
-/// Finds the knots' poses together from points on surfaces and the prior on the change of velocity: Gauss-Newton with step control (design: odometry
-/// study, section 1). Perturbation of a knot: `R <- exp(phi) R`, `t <- t + v`, in odom's axes.
+/// Finds the knots' poses together from points on surfaces, other sensors' measurements of the motion and the prior on the change of velocity:
+/// Gauss-Newton with step control (design: odometry study, section 1). Perturbation of a knot: `R <- exp(phi) R`, `t <- t + v`, in odom's axes.
 WindowResult solve_window(const SurfaceMap& map, WindowProblem& problem, const WindowOptions& options);
 
 }  // namespace sgraph
