@@ -4,6 +4,7 @@
 #include <queue>
 
 #include "hypotheses.hpp"
+#include "levels.hpp"
 #include "sgraph_slam/core/segmentation/plane_fit.hpp"
 #include "sgraph_slam/core/util/voxel_set.hpp"
 
@@ -174,6 +175,7 @@ class Search {
     }
     for (std::size_t k = 0; k < found.size(); ++k) {
       found[k].masks.push_back(mask_of(split.cells, parts[k]));
+      drop_other_levels(points_, viewpoints_, limits_, found[k]);
       claim(found[k]);
       surfaces_.push_back(std::move(found[k]));
     }

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <limits>
 
+#include "levels.hpp"
 #include "sgraph_slam/core/segmentation/plane_fit.hpp"
 
 namespace sgraph {
@@ -110,7 +111,9 @@ std::vector<Surface> reassign(const PointSet& points, const std::vector<Eigen::V
   std::vector<Surface> kept;
   std::vector<int> number(surfaces.size(), -1);
   for (std::size_t s = 0; s < surfaces.size(); ++s) {
-    if (!fit_trimmed(points, viewpoints, limits, surfaces[s]) || !large_enough(points, surfaces[s], limits)) continue;
+    if (!fit_trimmed(points, viewpoints, limits, surfaces[s])) continue;
+    drop_other_levels(points, viewpoints, limits, surfaces[s]);
+    if (!large_enough(points, surfaces[s], limits)) continue;
     number[s] = static_cast<int>(kept.size());
     kept.push_back(std::move(surfaces[s]));
   }

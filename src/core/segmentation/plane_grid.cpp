@@ -9,14 +9,15 @@ namespace {
 
 constexpr float cell_edge = 0.2F;     // [m]
 constexpr float most_cells = 400.0F;  // along one axis: larger planes get larger cells
+constexpr float turn_spacing = 0.2F;  // of the points of a ring, over the spacing of the rings: the coarsest of spinning LiDARs
 constexpr std::size_t outline_rows = 128;
 
 // The cells that hold points: most of a large plane's are empty.
 struct Occupied {
-  std::vector<int> number_of_cell;  // -1 for an empty one
-  std::vector<int> cell;            // the rest by number, in order of their first points
-  std::vector<float> reach;         // how far each reaches for others, in cells
-  std::vector<int> parent;          // of the union-find forest
+  std::vector<int> number_of_cell;     // -1 for an empty one
+  std::vector<int> cell;               // the rest by number, in order of their first points
+  std::vector<Eigen::Vector2f> reach;  // how far each reaches for others along the axes, in cells
+  std::vector<int> parent;             // of the union-find forest
   std::vector<int> number_of_point;
 
   int root_of(int number) {
@@ -27,6 +28,12 @@ struct Occupied {
     return number;
   }
 };
+
+// Of the ellipse of this reach, so many rows from its middle, in cells.
+int half_width(const Eigen::Vector2f& reach, int row) {
+  const float share = static_cast<float>(row) / reach.y();
+  return static_cast<int>(reach.x() * std::sqrt(std::max(0.0F, 1.0F - share * share)));
+}
 
 PlaneCells cells_around(const PointSet& points, const std::vector<std::uint32_t>& inliers, const PlaneF& plane, float max_gap) {
   PlaneCells cells{PlaneAxes(plane.normal)};
@@ -48,6 +55,8 @@ Occupied occupied_cells(const PointSet& points, const std::vector<std::uint32_t>
   const auto gap = static_cast<float>(params.gap);
   const auto max_gap = static_cast<float>(std::max(params.gap, params.max_gap));
   const float rings = 1.5F * static_cast<float>(params.beam_spacing) / std::max(std::abs(plane.d), 0.05F);
+  // Along a wall the LiDAR's turn sets the points, much closer together: a gap that is wide for them is a doorway, however far apart the rings.
+  const float along = (1.0F - std::abs(plane.normal.z())) * turn_spacing + std::abs(plane.normal.z());
   for (const std::uint32_t i : inliers) {
     const int cell = cells.at(points.position(i));
     int& number = occupied.number_of_cell[static_cast<std::size_t>(cell)];
@@ -56,7 +65,8 @@ Occupied occupied_cells(const PointSet& points, const std::vector<std::uint32_t>
       occupied.cell.push_back(cell);
       occupied.parent.push_back(number);
       // Rings on a plane lie apart by range * spacing / cos(incidence) = range^2 * spacing / distance of the plane.
-      occupied.reach.push_back(std::min(std::max(gap, rings * points.position(i).squaredNorm()), max_gap) / cells.edge);
+      const float apart = rings * points.position(i).squaredNorm();
+      occupied.reach.emplace_back(std::min(std::max(gap, along * apart), max_gap) / cells.edge, std::min(std::max(gap, apart), max_gap) / cells.edge);
     }
     occupied.number_of_point.push_back(number);
   }
@@ -66,11 +76,11 @@ Occupied occupied_cells(const PointSet& points, const std::vector<std::uint32_t>
 void unite_within_reach(const PlaneCells& cells, Occupied& occupied) {
   for (std::size_t k = 0; k < occupied.cell.size(); ++k) {
     const int row = occupied.cell[k] / cells.columns, column = occupied.cell[k] % cells.columns;
-    const float reach = occupied.reach[k];
-    const int steps = static_cast<int>(reach);
+    const Eigen::Vector2f reach = occupied.reach[k];
+    const int steps = static_cast<int>(reach.y());
     int root = occupied.root_of(static_cast<int>(k));
     for (int i = std::max(0, row - steps); i <= std::min(cells.rows - 1, row + steps); ++i) {
-      const int width = static_cast<int>(std::sqrt(reach * reach - static_cast<float>((i - row) * (i - row))));
+      const int width = half_width(reach, i - row);
       for (int j = std::max(0, column - width); j <= std::min(cells.columns - 1, column + width); ++j) {
         const int other = occupied.number_of_cell[static_cast<std::size_t>(i * cells.columns + j)];
         if (other < 0 || occupied.parent[static_cast<std::size_t>(other)] == root) continue;
@@ -150,10 +160,10 @@ Mask mask_of(const PlaneCells& cells, const std::vector<const Piece*>& pieces) {
   for (const Piece* piece : pieces) {
     for (std::size_t k = 0; k < piece->cells.size(); ++k) {
       const int row = piece->cells[k] / cells.columns, column = piece->cells[k] % cells.columns;
-      const float reach = std::max(piece->reach[k], 1.0F);
-      const int steps = static_cast<int>(reach);
+      const Eigen::Vector2f reach = piece->reach[k].cwiseMax(1.0F);
+      const int steps = static_cast<int>(reach.y());
       for (int i = std::max(0, row - steps); i <= std::min(cells.rows - 1, row + steps); ++i) {
-        const int width = static_cast<int>(std::sqrt(reach * reach - static_cast<float>((i - row) * (i - row))));
+        const int width = half_width(reach, i - row);
         const auto first = mask.set.begin() + i * cells.columns;
         std::fill(first + std::max(0, column - width), first + std::min(cells.columns - 1, column + width) + 1, 1);
       }

@@ -37,8 +37,8 @@ struct PlaneCells {
 struct Piece {
   std::vector<std::uint32_t> members;  ///< positions in the point set
   std::vector<int> cells;
-  std::vector<float> reach;  ///< of each of these cells, in cells
-  Eigen::AlignedBox2f box;   ///< of the cells, along the axes
+  std::vector<Eigen::Vector2f> reach;  ///< of each of these cells along the axes, in cells
+  Eigen::AlignedBox2f box;             ///< of the cells, along the axes
 };
 
 struct Pieces {
@@ -46,8 +46,8 @@ struct Pieces {
   std::vector<Piece> pieces;  ///< in order of their first point
 };
 
-/// Splits points near a plane into pieces: cells whose distance is within one's reach are connected. A cell's reach is params.gap, or one and a half
-/// rings at its range and incidence where that is more, at most params.max_gap.
+/// Splits points near a plane into pieces: cells whose distance is within one's reach are connected. A cell's reach up a wall is params.gap, or one
+/// and a half rings at its range and incidence where that is more, at most params.max_gap; along the wall a fifth of these rings.
 Pieces connected_pieces(const PointSet& points, const std::vector<std::uint32_t>& inliers, const PlaneF& plane, const SegmentationParams& params);
 
 /// Distance between two boxes along the axes [m]; 0 when they touch.

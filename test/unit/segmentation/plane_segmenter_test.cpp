@@ -243,6 +243,38 @@ TEST(PlaneSegmenter, DoesNotJoinWallsThatAreOffset) {
   }
 }
 
+// Shelves whose backs stand 7 cm before a wall, over half of it: less than the inliers' limit to both sides. Their mean is neither.
+TEST(PlaneSegmenter, AShelfBeforeAWallIsNoPartOfIt) {
+  const sim::Scene scene({rectangle({3, -3, 0}, 6 * Y, 2.8 * Z), rectangle({2.93, -2.0, 0}, 1.2 * Y, 1.9 * Z),
+                          rectangle({2.93, 0.2, 0}, 1.2 * Y, 1.9 * Z), rectangle({-4, -4, 0}, 8 * X, 8 * Y)});
+  for (std::uint64_t seed = 0; seed < 6; ++seed) {
+    const Pose pose = pose_at_yaw({-0.5, 0.4 * static_cast<double>(seed) - 1, 1}, 0.3 * static_cast<double>(seed));
+    const Cloud scan = keyframe_scan(scene, walk(pose), 0.02, seed);
+    const Plane expected = pose.inverse() * Plane{-X, 3};
+    double longest = 0, angle = 0, offset = 0;
+    for (const PlaneSegment& s : PlaneSegmenter({}).process(scan).segments) {
+      if (degrees_between(s.plane.normal, expected.normal) > 5 || length_of(s) < longest) continue;
+      longest = length_of(s);
+      angle = degrees_between(s.plane.normal, expected.normal);
+      offset = expected.distance(s.centroid);
+    }
+    EXPECT_GT(longest, 5) << seed;
+    EXPECT_LT(std::abs(offset), 0.006) << seed;
+    EXPECT_LT(angle, 0.25) << seed;
+  }
+}
+
+// The reveals at both sides of a wide opening, seen from afar: two strips as wide as the wall is thick, far apart. No wall stands in the opening.
+TEST(PlaneSegmenter, TheEdgesOfAnOpeningAreNoPlaneAcrossIt) {
+  Surfaces surfaces;
+  for (const double y : {-0.9, 0.9}) add(surfaces, {rectangle({7.92, y, 0}, 0.15 * X, 2.8 * Z)});
+  const sim::Scene scene(surfaces);
+  for (std::uint64_t seed = 0; seed < 4; ++seed) {
+    const Cloud scan = keyframe_scan(scene, walk(pose_at_yaw({0.5 * static_cast<double>(seed), 0.3, 1}, 0)), 0.02, seed);
+    for (const PlaneSegment& s : PlaneSegmenter({}).process(scan).segments) EXPECT_LT(length_of(s), 1.7) << seed;
+  }
+}
+
 TEST(PlaneSegmenter, LaysNoPlaneThroughUnrelatedFarWalls) {
   // Ends of walls that happen to lie on one plane, and two parallel rows of pillars: nothing there is a plane.
   Surfaces surfaces;

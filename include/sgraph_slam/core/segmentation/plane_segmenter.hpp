@@ -13,7 +13,8 @@ namespace sgraph {
 ///
 /// Sequential RANSAC: hypotheses from small neighbourhoods, the best one by a truncated quadratic score that counts points beside the plane
 /// against it; refit on the inliers; split into connected pieces on the plane; pieces that are coplanar within the noise and near each other are one
-/// segment. At last each point goes to the nearest plane, points near the edge of two planes go to neither, and all planes are fitted anew.
+/// segment. Parts of a surface on another level than most of it (a shelf's back a hand's breadth before the wall) are no part of it. At last each
+/// point goes to the nearest plane, points near the edge of two planes go to neither, and all planes are fitted anew.
 class PlaneSegmenter {
  public:
   /// Throws std::runtime_error when thresholds or gaps contradict each other.
