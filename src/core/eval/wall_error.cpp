@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <set>
+#include <tuple>
 
 #include "sgraph_slam/core/types/plane.hpp"
 
@@ -19,6 +21,20 @@ struct Placed {  // a mapped plane in the frame of the truth
   std::int64_t id;
   Plane plane;
   std::vector<Eigen::Vector2d> outline;
+  double low;  // z of its outline [m]
+  double high;
+};
+
+struct Stretch {  // along a face, from its begin [m]
+  double low = 0;
+  double high = 0;
+  [[nodiscard]] double length() const { return std::max(0.0, high - low); }
+  [[nodiscard]] double middle() const { return 0.5 * (low + high); }
+};
+
+struct BlockSide {
+  Eigen::Vector2d begin, end, normal;
+  double bottom, top;
 };
 
 struct Fit {
@@ -33,8 +49,44 @@ double distance_at(const Plane& plane, const WallFace& face, double along) {
   return plane.distance({p.x(), p.y(), face.bottom + reference_height});
 }
 
+std::vector<BlockSide> sides_of(const std::vector<PlanBlock>& blocks) {
+  std::vector<BlockSide> sides;
+  for (const PlanBlock& block : blocks) {
+    if (block.round) continue;
+    const Eigen::Vector2d x(std::cos(block.yaw), std::sin(block.yaw));
+    const Eigen::Vector2d y(-x.y(), x.x());
+    const Eigen::Vector2d center = block.center.head<2>();
+    for (const auto& [out, along, half_out, half_along] :
+         {std::tuple{x, y, block.size.x() / 2, block.size.y() / 2}, std::tuple{y, Eigen::Vector2d(-x), block.size.y() / 2, block.size.x() / 2}}) {
+      for (const double sign : {1.0, -1.0}) {
+        const Eigen::Vector2d middle = center + sign * half_out * out;
+        sides.push_back({middle - half_along * along, middle + half_along * along, sign * out, block.center.z() - block.size.z() / 2,
+                         block.center.z() + block.size.z() / 2});
+      }
+    }
+  }
+  return sides;
+}
+
+// Whether the plane is of furniture or a column rather than of the face on which it lies over this stretch.
+bool on_blocks(const Placed& placed, const WallFace& face, Stretch common, const std::vector<BlockSide>& sides) {
+  double length = 0;
+  for (const BlockSide& side : sides) {
+    if (side.normal.dot(face.normal) < std::cos(largest_turn)) continue;
+    if (std::min(side.top, placed.high) - std::max(side.bottom, placed.low) < 0.5 * (placed.high - placed.low)) continue;
+    const double a = face.direction().dot(side.begin - face.begin);
+    const double b = face.direction().dot(side.end - face.begin);
+    const Stretch shared{std::max(common.low, std::min(a, b)), std::min(common.high, std::max(a, b))};
+    if (shared.length() == 0) continue;
+    const double before = face.normal.dot(0.5 * (side.begin + side.end) - face.begin);  // of the wall
+    const double distance = -distance_at(placed.plane, face, shared.middle());          // of the plane before the wall
+    if (std::abs(distance - before) < std::abs(distance)) length += shared.length();
+  }
+  return length > 0.5 * common.length();
+}
+
 // Length of the stretch that plane and face have in common; 0 when the plane doesn't lie on the face.
-double common_stretch(const Placed& placed, const WallFace& face) {
+double common_stretch(const Placed& placed, const WallFace& face, const std::vector<BlockSide>& sides) {
   const Eigen::Vector3d normal(face.normal.x(), face.normal.y(), 0);
   if (placed.outline.empty() || angle_between(placed.plane.normal, normal) > largest_turn) return 0;
   double low = face.length();
@@ -47,7 +99,7 @@ double common_stretch(const Placed& placed, const WallFace& face) {
   low = std::max(low, 0.0);
   high = std::min(high, face.length());
   if (high - low < least_common || std::abs(distance_at(placed.plane, face, 0.5 * (low + high))) > farthest) return 0;
-  return high - low;
+  return on_blocks(placed, face, {low, high}, sides) ? 0 : high - low;
 }
 
 std::vector<Placed> vertical_planes(const std::vector<ScenePlane>& planes, const Pose& T_truth_map) {
@@ -55,8 +107,13 @@ std::vector<Placed> vertical_planes(const std::vector<ScenePlane>& planes, const
   for (const ScenePlane& p : planes) {
     const Plane plane = T_truth_map * p.plane;
     if (std::abs(plane.normal.z()) > steepest) continue;
-    Placed one{p.id.value, plane, {}};
-    for (const Eigen::Vector3d& corner : p.extent) one.outline.emplace_back((T_truth_map * corner).head<2>());
+    Placed one{p.id.value, plane, {}, std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity()};
+    for (const Eigen::Vector3d& corner : p.extent) {
+      const Eigen::Vector3d at = T_truth_map * corner;
+      one.outline.emplace_back(at.head<2>());
+      one.low = std::min(one.low, at.z());
+      one.high = std::max(one.high, at.z());
+    }
     placed.push_back(std::move(one));
   }
   return placed;
@@ -76,14 +133,16 @@ Statistics WallScore::position_error() const {
   return statistics_of(std::move(values));
 }
 
-WallScore score_walls(const std::vector<ScenePlane>& planes, const Pose& T_truth_map, const std::vector<WallFace>& faces, double seen_length) {
+WallScore score_walls(const std::vector<ScenePlane>& planes, const Pose& T_truth_map, const std::vector<WallFace>& faces,
+                      const std::vector<PlanBlock>& blocks, double seen_length) {
   const std::vector<Placed> placed = vertical_planes(planes, T_truth_map);
+  const std::vector<BlockSide> sides = sides_of(blocks);
   WallScore score;
   std::set<std::size_t> on_a_face;
   for (std::size_t f = 0; f < faces.size(); ++f) {
     std::vector<Fit> fits;
     for (std::size_t p = 0; p < placed.size(); ++p) {
-      const double common = common_stretch(placed[p], faces[f]);
+      const double common = common_stretch(placed[p], faces[f], sides);
       if (common > 0) fits.push_back({common, p}), on_a_face.insert(p);
     }
     if (faces[f].seen_length <= seen_length) continue;
@@ -105,8 +164,8 @@ WallScore score_walls(const std::vector<ScenePlane>& planes, const Pose& T_truth
   }
   for (std::size_t p = 0; p < placed.size(); ++p) {
     if (on_a_face.count(p)) continue;
-    const Placed turned{placed[p].id, {-placed[p].plane.normal, -placed[p].plane.d}, placed[p].outline};
-    const bool reversed = std::any_of(faces.begin(), faces.end(), [&turned](const WallFace& face) { return common_stretch(turned, face) > 0; });
+    const Placed turned{placed[p].id, {-placed[p].plane.normal, -placed[p].plane.d}, placed[p].outline, placed[p].low, placed[p].high};
+    const bool reversed = std::any_of(faces.begin(), faces.end(), [&](const WallFace& face) { return common_stretch(turned, face, {}) > 0; });
     (reversed ? score.reversed_planes : score.other_planes).push_back(placed[p].id);
   }
   return score;

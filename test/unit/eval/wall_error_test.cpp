@@ -139,5 +139,19 @@ TEST(WallScore, CountsDuplicatesAndIgnoresFloors) {
   EXPECT_TRUE(score.other_planes.empty());
 }
 
+// A shelf 1.8 m high whose back is 7 cm before the wall, over 2 m of it: the plane of its back is no second plane of the wall, a plane on the wall
+// behind it is, and so is one between the two that is mostly wall.
+TEST(WallScore, FurnitureBeforeAWallIsNoDuplicate) {
+  const auto faces = wall_faces(two_rooms(), poses({{2.5, 2}}));
+  const std::vector<PlanBlock> shelf{{{2.0, 0.16, 0.9}, {2.0, 0.02, 1.8}, 0, false, true}};
+  const ScenePlane on_wall = plane_on(0, {0.1, 0.1}, {4.9, 0.1}, {0, 1});
+  const WallScore back = score_walls({on_wall, plane_on(1, {1, 0.17}, {3, 0.17}, {0, 1}, 0.005)}, T_truth_map, faces, shelf);
+  EXPECT_EQ(back.duplicates, 0);
+  EXPECT_EQ(back.other_planes, std::vector<std::int64_t>{1});
+  EXPECT_EQ(score_walls({on_wall, plane_on(1, {1, 0.17}, {3, 0.17}, {0, 1})}, T_truth_map, faces).duplicates, 1) << "without the shelf";
+  EXPECT_EQ(score_walls({on_wall, plane_on(1, {1, 0.1}, {3, 0.1}, {0, 1}, 0.02)}, T_truth_map, faces, shelf).duplicates, 1);
+  EXPECT_EQ(score_walls({on_wall, plane_on(1, {1.5, 0.1}, {4.9, 0.1}, {0, 1}, 0.05)}, T_truth_map, faces, shelf).duplicates, 1);
+}
+
 }  // namespace
 }  // namespace sgraph

@@ -33,7 +33,10 @@ struct WallScore {
 };
 
 /// A plane lies on a face when it is vertical, its normal looks the same way within 5 degrees, it is within 0.1 m of the face in the middle of their
-/// common stretch, and that is at least 0.5 m long. `planes` are in the map's frame, the faces in the truth's.
-WallScore score_walls(const std::vector<ScenePlane>& planes, const Pose& T_truth_map, const std::vector<WallFace>& faces, double seen_length = 2);
+/// common stretch, and that is at least 0.5 m long. It lies on `blocks` (columns, furniture) instead, and on no face, when over more than half of
+/// that stretch, and half of its height, it is nearer to a side of theirs that looks the same way: a cupboard's front a hand's breadth before a wall
+/// is a surface of its own. `planes` are in the map's frame, faces and blocks in the truth's.
+WallScore score_walls(const std::vector<ScenePlane>& planes, const Pose& T_truth_map, const std::vector<WallFace>& faces,
+                      const std::vector<PlanBlock>& blocks = {}, double seen_length = 2);
 
 }  // namespace sgraph
