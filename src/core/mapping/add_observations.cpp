@@ -7,7 +7,8 @@
 namespace sgraph {
 namespace {
 
-constexpr double returned_path = 20.0;  // seeing a plane again after this way closes a loop [m]
+constexpr std::size_t known_better = 5;  // times as many views
+constexpr double returned_path = 20.0;   // seeing a plane again after this way closes a loop [m]
 
 Matrix6 floored(const Keyframe& keyframe, const FactorParams& params) {
   Matrix6 covariance = keyframe.covariance;
@@ -62,6 +63,21 @@ std::vector<Eigen::Vector3d> lidar_origins(const Keyframe& keyframe, const Pose&
   std::vector<Eigen::Vector3d> origins;
   for (const StampedPose& scan : keyframe.scans) origins.push_back((T_lidar_odom * scan.pose * T_base_lidar).translation);
   return origins;
+}
+
+// Whether a plane lies beside one that is known much better, in front of it or within it: what segmentation made of a wall and something before it,
+// of a wall through a pane, of a person at a wall.
+bool is_ghost(const MapState& state, const PlaneRecord& record) {
+  const AssociationParams& params = state.params.association;
+  const Plane& plane = *state.graph.find(record.id);
+  const Eigen::Vector3d center = outline_center(record.outline);
+  for (const auto& [id, other] : state.planes.records()) {
+    if (other.keyframes.size() < known_better * record.keyframes.size()) continue;
+    const Plane& wall = *state.graph.find(id);
+    if (wall.normal.dot(plane.normal) < std::cos(params.max_angle) || std::abs(wall.distance(center)) > params.ghost_distance) continue;
+    if (outline_distance(wall, other.outline, record.outline) == 0) return true;
+  }
+  return false;
 }
 
 }  // namespace
@@ -166,14 +182,16 @@ AssociationResult add_observations(MapState& state, const PlaneSegments& segment
   return result;
 }
 
-int drop_passing_planes(MapState& state) {
+int drop_passing_planes(MapState& state, bool all) {
   const AssociationParams& params = state.params.association;
   Transaction edit;
   edit.reason = "planes seen in passing";
   std::vector<PlaneId> passing;
   for (const auto& [id, record] : state.planes.records()) {
-    if (state.newest().value - record.last_seen.value < params.drop_after) continue;
-    if (record.keyframes.size() > static_cast<std::size_t>(params.drop_views) || outline_area(record.outline) >= params.drop_area) continue;
+    if (record.keyframes.size() > static_cast<std::size_t>(params.drop_views)) continue;
+    const auto unseen = state.newest().value - record.last_seen.value;
+    const bool small_and_old = unseen >= params.drop_after && outline_area(record.outline) < params.drop_area;
+    if (!small_and_old && (!(all || unseen >= params.drop_ghost_after) || !is_ghost(state, record))) continue;
     edit.remove_variables.emplace_back(id);
     passing.push_back(id);
   }

@@ -83,7 +83,7 @@ class BackEnd::Implementation {
   }
 
   void solve_global(int iterations, bool all_pairs = false) {
-    drop_passing_planes(state_);
+    drop_passing_planes(state_, all_pairs);
     SolverOptions options;
     options.max_iterations = iterations;
     note(solve(state_.graph, options));

@@ -125,7 +125,8 @@ void search(const PlaceView& view, const std::vector<Wall>& walls, const Eigen::
         continue;
       }
       // Of coplanar walls the ones with most wall stand for the corridor.
-      const double length = total_length(clip(right.span, candidate.along)) + total_length(clip(left.span, candidate.along));
+      const double length =
+          right.trust * total_length(clip(right.span, candidate.along)) + left.trust * total_length(clip(left.span, candidate.along));
       if (best.corridor && length <= best_length) continue;
       best_length = length;
       best = {CorridorVerdict::accepted, shape_of(view, walls, candidate, reference_yaw)};

@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "sgraph_slam/core/mapping/dominant_frame.hpp"
+#include "sgraph_slam/core/mapping/dominant_wall.hpp"
 
 namespace sgraph {
 namespace {
@@ -34,6 +35,7 @@ Face face_of(const Wall& wall, std::size_t index, bool across_x, const PlaceView
   const Eigen::Vector2d& along = across_x ? view.y_axis : view.x_axis;
   Face face;
   face.wall = index;
+  face.trust = trust(wall);
   // Where the wall is seen nearest to the position: a short piece a few degrees off would be anywhere, if it were prolonged.
   const Interval stretch = hull(wall.support);
   face.position = across.dot(wall.at(std::clamp(wall.direction().dot(position), stretch.low, stretch.high)));

@@ -53,6 +53,7 @@ void PlaneMap::observe(const Graph& graph, PlaneId id, KeyframeId keyframe, Fact
   record.wall = whole;
   record.wall->support = unite(std::move(support), params_.wall_gap);
   record.wall->last_seen = keyframe;
+  record.wall->views = record.keyframes.size();
 }
 
 void PlaneMap::rebuild(const Graph& graph, PlaneRecord& record) const {
@@ -71,7 +72,9 @@ void PlaneMap::rebuild(const Graph& graph, PlaneRecord& record) const {
   if (!record.keyframes.empty()) record.last_seen = *record.keyframes.rbegin();
   record.outline = convex_outline(*plane, corners);
   record.wall = make_wall(record.id, *plane, outlines, params_.tilt, params_.wall_gap);
-  if (record.wall) record.wall->last_seen = record.last_seen;
+  if (!record.wall) return;
+  record.wall->last_seen = record.last_seen;
+  record.wall->views = record.keyframes.size();
 }
 
 void PlaneMap::refresh(const Graph& graph, const DominantFrame& frame) {

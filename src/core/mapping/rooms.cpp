@@ -127,16 +127,17 @@ RoomShape shape_of(const PlaceView& view, const std::vector<Wall>& walls, const 
   return room;
 }
 
-// The nearest faces of a side beyond a position; of coplanar ones only that with the longest wall.
+double weight(const Face& face) { return total_length(face.span) * face.trust; }
+
+// The nearest faces of a side beyond a position; of coplanar ones only that with most wall, as far as it can be trusted.
 std::vector<const Face*> candidates_of(const std::vector<Face>& faces, bool low, double position, const RoomParams& params) {
   std::vector<const Face*> found;
   for (const Face& face : faces) {
     const double away = low ? position - face.position : face.position - position;
     if (away > 0 && away < params.max_width) found.push_back(&face);
   }
-  std::sort(found.begin(), found.end(), [](const Face* a, const Face* b) {
-    return hull(a->span).length() > hull(b->span).length() || (hull(a->span).length() == hull(b->span).length() && a->wall < b->wall);
-  });
+  std::sort(found.begin(), found.end(),
+            [](const Face* a, const Face* b) { return weight(*a) > weight(*b) || (weight(*a) == weight(*b) && a->wall < b->wall); });
   std::vector<const Face*> distinct;
   for (const Face* face : found) {
     const bool known = std::any_of(distinct.begin(), distinct.end(), [&](const Face* d) {

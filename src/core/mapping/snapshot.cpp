@@ -4,7 +4,7 @@
 namespace sgraph {
 namespace {
 
-void add_planes(const MapState& state, GraphSnapshot& snapshot) {
+void add_planes(const MapState& state, bool with_observations, GraphSnapshot& snapshot) {
   for (const auto& [id, record] : state.planes.records()) {
     const Plane* plane = state.graph.find(id);
     if (!plane) continue;
@@ -16,6 +16,8 @@ void add_planes(const MapState& state, GraphSnapshot& snapshot) {
     scene.covariance = covariance != state.plane_covariances.end() ? covariance->second : record.last_covariance;
     scene.extent = record.outline;
     scene.keyframes = record.keyframes;
+    if (!with_observations) continue;
+    for (const PlaneObservation& seen : record.observations) scene.observations.push_back({seen.keyframe, seen.outline_base});
   }
 }
 
@@ -59,7 +61,7 @@ GraphSnapshotPtr make_snapshot(const MapState& state, std::int64_t version, cons
     scene.scans = keyframe.scans;
     scene.cloud = keyframe.cloud;
   }
-  add_planes(state, *snapshot);
+  add_planes(state, with_factors, *snapshot);
   add_places(state, *snapshot);
   snapshot->openings = state.openings;
   if (with_factors) snapshot->factors_json = factors_to_json(state.graph);

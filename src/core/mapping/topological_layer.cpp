@@ -5,6 +5,8 @@
 #include <iomanip>
 #include <sstream>
 
+#include "sgraph_slam/core/mapping/dominant_wall.hpp"
+
 namespace sgraph {
 namespace {
 
@@ -49,6 +51,18 @@ PlanePair older_first(PlaneId a, PlaneId b) { return a < b ? PlanePair{a, b} : P
 const Wall* find_wall(const std::vector<Wall>& walls, PlaneId id) {
   const auto found = std::find_if(walls.begin(), walls.end(), [&](const Wall& wall) { return wall.id == id; });
   return found == walls.end() ? nullptr : &*found;
+}
+
+// Of coplanar planes the best known stands for a side of the place.
+template <class Shape, class Params>
+void prefer_dominant_walls(const std::vector<Wall>& walls, Shape& shape, const Params& params, const std::string& name, KeyframeId now,
+                           DecisionLog& log) {
+  for (PlaneId& wall : shape.walls) {
+    const PlaneId best = dominant_wall(walls, wall, shape.area, params.coplanar, 0.5 * params.parallel);
+    if (best == wall) continue;
+    log.push_back({now, true, name, "plane " + std::to_string(best.value) + " shows more of a side than plane " + std::to_string(wall.value)});
+    wall = best;
+  }
 }
 
 std::vector<Wall> recent_walls(const std::vector<Wall>& walls, KeyframeId now, int recent) {
@@ -201,6 +215,7 @@ void TopologicalLayer::judge_rooms(const std::vector<Wall>& walls, const std::se
       continue;
     }
     const std::string name = "room/" + std::to_string(room->first.value);
+    prefer_dominant_walls(walls, shape, params_.rooms, name, now, log);
     const RoomSearch search = judge_room(walls, shape, params_.rooms, params_.topology.judge_slack);
     const auto twin =
         std::find_if(rooms_.begin(), room, [&](const auto& other) { return shared_share(other.second.shape.area, shape.area) > same_place; });
@@ -231,6 +246,7 @@ void TopologicalLayer::judge_corridors(const std::vector<Wall>& walls, const std
       continue;
     }
     const std::string name = "corridor/" + std::to_string(corridor->first.value);
+    prefer_dominant_walls(walls, shape, params_.corridors, name, now, log);
     const CorridorSearch search = judge_corridor(walls, shape, params_.corridors, params_.topology.judge_slack);
     if (search.corridor) {
       shape = *search.corridor;

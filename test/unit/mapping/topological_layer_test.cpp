@@ -104,6 +104,24 @@ TEST_F(Layer, ARoomSeenAgainWithDriftShowsWhichPlanesAreOneWall) {
   EXPECT_EQ(layer.rooms().size(), 1U);
 }
 
+// Seen first: the front of a row of shelves 5 cm before the wall. As the wall itself gets known, it takes its place, and the width is the wall's.
+TEST_F(Layer, TheWallTakesThePlaceOfWhatStandsBeforeIt) {
+  const auto box = plan.box(0, 0, 6, 4);
+  const PlaneId shelves = plan.add({6 - 0.05, 0.5}, {6 - 0.05, 3.5});
+  for (Wall& wall : plan.walls) wall.views = wall.id == box[1] ? 1 : 10;
+  visit({1, 1});
+  ASSERT_EQ(layer.rooms().size(), 1U);
+  EXPECT_EQ(layer.rooms().begin()->second.shape.walls[1], shelves);
+  plan.walls[static_cast<std::size_t>(box[1].value)].views = 30;
+  judge();
+  EXPECT_EQ(layer.rooms().begin()->second.shape.walls[1], box[1]);
+  EXPECT_NEAR(layer.rooms().begin()->second.shape.area.size.x(), 6, 1e-9);
+  EXPECT_NE(log.back().reason.find("shows more of a side"), std::string::npos);
+  plan.walls[static_cast<std::size_t>(shelves.value)].views = 30;
+  judge();
+  EXPECT_EQ(layer.rooms().begin()->second.shape.walls[1], box[1]) << "no to and fro";
+}
+
 TEST_F(Layer, CrossingCorridorsAreTwo) {
   plan.add({0, 0}, {9, 0});
   plan.add({11, 0}, {24, 0});

@@ -61,8 +61,9 @@ bool add_keyframe(MapState& state, const Keyframe& keyframe);
 /// Associates the segments of the newest keyframe, makes planes of what is new, adds the observations (paper, Metric-Semantic Layer).
 AssociationResult add_observations(MapState& state, const PlaneSegments& segments);
 
-/// Drops small planes that few keyframes have seen, long ago. Returns how many.
-int drop_passing_planes(MapState& state);
+/// Drops small planes that few keyframes have seen, long ago, and ghosts: planes of any size with few views beside one that is known much better;
+/// these at once if `all`. Returns how many.
+int drop_passing_planes(MapState& state, bool all);
 
 /// Merges planes that are one surface by their marginals, more readily those that a place shows to be one; solves; undoes what doesn't fit.
 /// Pairs found apart lately are not tried again unless `all`. Returns how many were merged and kept.
@@ -81,7 +82,8 @@ void add_wall_faces(MapState& state);
 /// Brings the graph's rooms and corridors in line with the layer and their constants with the walls.
 void synchronise(MapState& state);
 
-/// The whole state as readers see it; `with_factors`: the factors serialised too, which takes time.
+/// The whole state as readers see it; `with_factors`: the factors serialised and the views of the planes too,
+/// which takes time.
 GraphSnapshotPtr make_snapshot(const MapState& state, std::int64_t version, const SolveSummary& solve, bool with_factors);
 
 }  // namespace sgraph

@@ -77,6 +77,8 @@ struct AssociationParams {
   int drop_after = 30;
   int drop_views = 2;
   double drop_area = 1.5;
+  int drop_ghost_after = 10;
+  double ghost_distance = 0.12;
 
   void describe(ParamVisitor& v) {
     v.field("chi_square", chi_square, "", {1, 100}, "Largest squared Mahalanobis distance, 3 degrees of freedom; 7.81 keeps 95 % of the right ones.");
@@ -90,6 +92,9 @@ struct AssociationParams {
     v.field("drop_after", drop_after, "", {1, 1000000}, "A plane that hasn't been seen in this many keyframes is dropped again ...");
     v.field("drop_views", drop_views, "", {0, 1000}, "... when no more than this many saw it: it says next to nothing about them ...");
     v.field("drop_area", drop_area, "m^2", {0, 1000}, "... and its extent is smaller than this: people, clutter, pieces of glass.");
+    v.field("drop_ghost_after", drop_ghost_after, "", {1, 1000000},
+            "A plane of any size with no more than drop_views is dropped when this many keyframes haven't seen it and a plane known much better ...");
+    v.field("ghost_distance", ghost_distance, "m", {0, 1}, "... faces the same way no further off than this. 0: never.");
   }
 };
 

@@ -12,6 +12,7 @@ struct Face {
   std::size_t wall = 0;  ///< index among the walls
   double position = 0;   ///< along the axis that it bounds [m]
   Intervals span;        ///< where it has been seen, along the other axis [m]
+  double trust = 0;      ///< of the wall, for its views, 0..1
 };
 
 /// A wall along neither axis, by its ends in the place's coordinates.

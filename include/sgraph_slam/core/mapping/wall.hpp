@@ -19,6 +19,7 @@ struct Wall {
   Intervals support;                                  ///< along `direction()`, from the foot of the map's origin [m]
   double height = 0;                                  ///< from its lowest to its highest seen point [m]
   KeyframeId last_seen;                               ///< newest keyframe that saw it
+  std::size_t views = 0;                              ///< keyframes that saw it
 
   /// Unit vector along the wall, to the left of the normal.
   [[nodiscard]] Eigen::Vector2d direction() const { return {-normal.y(), normal.x()}; }

@@ -25,6 +25,12 @@ struct SceneKeyframe {
   CloudPtr cloud;    ///< LiDAR frame
 };
 
+/// One view of a plane from one keyframe.
+struct SceneObservation {
+  KeyframeId keyframe;
+  std::vector<Eigen::Vector3d> extent;  ///< convex outline of what was seen, in the keyframe's base frame
+};
+
 /// Metric-semantic layer: one face of a wall, floor or ceiling.
 struct ScenePlane {
   PlaneId id;
@@ -33,6 +39,7 @@ struct ScenePlane {
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();  ///< of [two tangent angles; d], marginal where the back end has it
   std::vector<Eigen::Vector3d> extent;                   ///< convex outline on the plane, map frame
   std::set<KeyframeId> keyframes;                        ///< that saw it
+  std::vector<SceneObservation> observations;            ///< after an optimisation on demand; else empty
 };
 
 /// Topological layer: four walls around a free space.
