@@ -39,7 +39,7 @@ struct ScenePlane {
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();  ///< of [two tangent angles; d], marginal where the back end has it
   std::vector<Eigen::Vector3d> extent;                   ///< convex outline on the plane, map frame
   std::set<KeyframeId> keyframes;                        ///< that saw it
-  std::vector<SceneObservation> observations;            ///< after an optimisation on demand; else empty
+  std::vector<SceneObservation> observations{};          ///< after an optimisation on demand; else empty
 };
 
 /// Topological layer: four walls around a free space.
