@@ -6,10 +6,12 @@
 namespace sgraph {
 namespace {
 
-constexpr double side_margin = 0.25;  // a wall this near to a side of the corridor does not cut it [m]
-constexpr double cut_share = 0.5;     // a wall along the inside over this share of the length cuts it
-constexpr double end_share = 0.6;     // a wall across over this share of the width ends it
-constexpr double end_slack = 1.0;     // the robot may be this far beyond the walls' common stretch [m]
+constexpr double side_margin = 0.25;   // a wall this near to a side of the corridor does not cut it [m]
+constexpr double cut_share = 0.5;      // a wall along the inside over this share of the length cuts it
+constexpr double end_share = 0.6;      // a wall across over this share of the width ends it where its sides end ...
+constexpr double inner_share = 0.9;    // ... over this share where both go on behind: else it's a cabinet's side, a door leaf, a person ...
+constexpr double inner_height = 0.75;  // ... and when it is so high, compared with the lower of the sides
+constexpr double end_slack = 1.0;      // the robot may be this far beyond the walls' common stretch [m]
 
 // A place as a corridor sees it: x along, y across; right wall at low y, left wall at high y.
 struct Candidate {
@@ -35,9 +37,13 @@ std::optional<Interval> stretch_at(const Intervals& parts, double position, doub
 }
 
 // Ends the stretch at the nearest walls across it, on both sides of the position. A face looks along the corridor from the end that it closes.
-void close_ends(const PlaceView& view, Interval across, double position, Interval* along, std::array<bool, 2>* closed) {
+void close_ends(const PlaceView& view, Interval across, double side_height, double position, Interval* along, std::array<bool, 2>* closed) {
   const Interval open = *along;
-  const auto crosses = [&](const Face& face) { return total_length(clip(face.span, across)) >= end_share * across.length(); };
+  const auto crosses = [&](const Face& face) {
+    const bool inner = face.position > open.low + end_slack && face.position < open.high - end_slack;
+    if (inner && face.height < inner_height * side_height) return false;
+    return total_length(clip(face.span, across)) >= (inner ? inner_share : end_share) * across.length();
+  };
   for (const Face& face : view.faces[low_x]) {
     if (face.position >= position || face.position <= open.low - end_slack || !crosses(face)) continue;
     along->low = (*closed)[0] ? std::max(along->low, face.position) : face.position;
@@ -82,7 +88,7 @@ CorridorVerdict judge(const PlaceView& view, double position, const CorridorPara
   if (!right_stretch || !left_stretch || overlap(*right_stretch, *left_stretch) <= 0) return CorridorVerdict::uncovered;
   candidate->along = {std::max(right_stretch->low, left_stretch->low), std::min(right_stretch->high, left_stretch->high)};
   candidate->closed = {false, false};
-  close_ends(view, across, position, &candidate->along, &candidate->closed);
+  close_ends(view, across, std::min(candidate->right->height, candidate->left->height), position, &candidate->along, &candidate->closed);
   if (candidate->along.length() <= 0) return CorridorVerdict::short_;
   const double seen_right = side_coverage(view.faces[low_y], true, across.low, candidate->along, params.coplanar, 0);
   const double seen_left = side_coverage(view.faces[high_y], false, across.high, candidate->along, params.coplanar, 0);
@@ -147,6 +153,16 @@ const char* to_string(CorridorVerdict value) {
     case CorridorVerdict::cut: break;
   }
   return "another wall runs along the inside";
+}
+
+bool same_corridor(const CorridorShape& a, const CorridorShape& b, const CorridorParams& params) {
+  if (std::abs(std::remainder(a.area.yaw - b.area.yaw, M_PI)) >= params.parallel) return false;
+  const Eigen::Vector2d along(std::cos(a.area.yaw), std::sin(a.area.yaw));
+  const Eigen::Vector2d offset = b.area.center - a.area.center;
+  const double aside = std::abs(along.x() * offset.y() - along.y() * offset.x());
+  const double most_aside = params.coplanar + std::abs(along.dot(offset)) * std::abs(std::sin(a.area.yaw - b.area.yaw));
+  return aside <= most_aside && std::abs(a.area.size.y() - b.area.size.y()) <= 2 * params.coplanar &&
+         std::abs(along.dot(offset)) < 0.5 * (a.area.size.x() + b.area.size.x());
 }
 
 CorridorSearch find_corridor(const std::vector<Wall>& walls, const Eigen::Vector2d& position, double reference_yaw, const CorridorParams& params) {

@@ -36,6 +36,7 @@ Face face_of(const Wall& wall, std::size_t index, bool across_x, const PlaceView
   Face face;
   face.wall = index;
   face.trust = trust(wall);
+  face.height = wall.height;
   // Where the wall is seen nearest to the position: a short piece a few degrees off would be anywhere, if it were prolonged.
   const Interval stretch = hull(wall.support);
   face.position = across.dot(wall.at(std::clamp(wall.direction().dot(position), stretch.low, stretch.high)));

@@ -186,7 +186,7 @@ std::vector<PlanePair> TopologicalLayer::take_corridor(Graph& graph, const Corri
   }
   for (auto& [id, known] : corridors_) {
     const bool parallel = std::abs(std::remainder(known.shape.area.yaw - found.area.yaw, M_PI)) < params_.corridors.parallel;
-    if (!parallel || shared_share(known.shape.area, found.area) <= same_place) continue;
+    if (!same_corridor(known.shape, found, params_.corridors) && (!parallel || shared_share(known.shape.area, found.area) <= same_place)) continue;
     std::vector<PlanePair> one_wall;
     const bool reversed = std::abs(std::remainder(known.shape.area.yaw - found.area.yaw, 2 * M_PI)) > M_PI / 2;
     for (std::size_t side = 0; side < 2; ++side) {
@@ -254,12 +254,16 @@ void TopologicalLayer::judge_corridors(const std::vector<Wall>& walls, const std
     } else {
       ++corridor->second.history.failures;
     }
-    const auto twin =
-        std::find_if(corridors_.begin(), corridor, [&](const auto& other) { return shared_share(other.second.shape.area, shape.area) > same_place; });
+    const auto twin = std::find_if(corridors_.begin(), corridor, [&](const auto& other) {
+      return shared_share(other.second.shape.area, shape.area) > same_place || same_corridor(other.second.shape, shape, params_.corridors);
+    });
     const auto room =
         std::find_if(rooms_.begin(), rooms_.end(), [&](const auto& other) { return shared_share(other.second.shape.area, shape.area) > same_place; });
     std::string reason;
-    if (twin != corridor) reason = "it is corridor/" + std::to_string(twin->first.value);
+    if (twin != corridor) {
+      reason = "it is corridor/" + std::to_string(twin->first.value);
+      if (shape.area.size.x() > twin->second.shape.area.size.x()) twin->second.shape = shape;
+    }
     if (room != rooms_.end()) reason = "its walls are those of room/" + std::to_string(room->first.value);
     if (corridor->second.history.failures >= params_.topology.withdraw_after) reason = to_string(search.verdict);
     if (reason.empty()) {

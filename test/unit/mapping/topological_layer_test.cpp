@@ -122,6 +122,36 @@ TEST_F(Layer, TheWallTakesThePlaceOfWhatStandsBeforeIt) {
   EXPECT_EQ(layer.rooms().begin()->second.shape.walls[1], box[1]) << "no to and fro";
 }
 
+// A cabinet's side, 1.2 m high, over two thirds of the width: the corridor goes on behind it.
+TEST_F(Layer, ACabinetDoesNotDivideACorridor) {
+  plan.add({0, 0}, {30, 0});
+  plan.add({30, 2}, {0, 2});
+  for (Wall& wall : plan.walls) wall.height = 2.5;
+  plan.walls[static_cast<std::size_t>(plan.add({14, 1.4}, {14, 0}).value)].height = 1.2;
+  plan.walls[static_cast<std::size_t>(plan.add({15, 0}, {15, 1.4}).value)].height = 1.2;
+  for (double x = 1; x < 30; x += 1) visit({x, 1});
+  judge();
+  ASSERT_EQ(layer.corridors().size(), 1U);
+  EXPECT_NEAR(layer.corridors().begin()->second.shape.area.size.x(), 30, 1e-9);
+}
+
+// Two stretches of one, known before what lies between them has been seen, are one corridor as soon as they meet.
+TEST_F(Layer, StretchesOfACorridorThatMeetAreOne) {
+  plan.add({0, 0}, {30, 0});
+  plan.add({30, 2}, {0, 2});
+  const std::vector<Wall> whole = plan.walls;
+  for (Wall& wall : plan.walls) wall.support = clip(wall.support, wall.normal.y() > 0 ? Interval{-10, 0} : Interval{0, 10});
+  visit({5, 1});
+  plan.walls = whole;
+  for (Wall& wall : plan.walls) wall.support = clip(wall.support, wall.normal.y() > 0 ? Interval{-30, -18} : Interval{18, 30});
+  visit({24, 1});
+  EXPECT_EQ(layer.corridors().size(), 2U);
+  plan.walls = whole;
+  judge();
+  EXPECT_EQ(layer.corridors().size(), 1U);
+  EXPECT_NE(log.back().reason.find("it is corridor/0"), std::string::npos);
+}
+
 TEST_F(Layer, CrossingCorridorsAreTwo) {
   plan.add({0, 0}, {9, 0});
   plan.add({11, 0}, {24, 0});

@@ -36,6 +36,9 @@ struct CorridorSearch {
   std::optional<CorridorShape> corridor;
 };
 
+/// Whether two corridors are stretches of one: parallel within params.parallel, side by side within params.coplanar, as wide, and overlapping.
+bool same_corridor(const CorridorShape& a, const CorridorShape& b, const CorridorParams& params);
+
 /// The corridor around a position where the robot has been, if the walls make one. Its direction is the one of the two possible whose heading is
 /// within
 /// (-45, 135] degrees of `reference_yaw` [rad].

@@ -13,6 +13,7 @@ struct Face {
   double position = 0;   ///< along the axis that it bounds [m]
   Intervals span;        ///< where it has been seen, along the other axis [m]
   double trust = 0;      ///< of the wall, for its views, 0..1
+  double height = 0;     ///< of what has been seen of the wall [m]
 };
 
 /// A wall along neither axis, by its ends in the place's coordinates.
