@@ -118,7 +118,7 @@ class BackEnd::Implementation {
   void visit(const std::vector<Wall>& walls, KeyframeId at) {
     const Visit here{state_.newest(), ground(*state_.graph.find(at)), state_.frame.yaw};
     for (const PlanePair& pair : state_.layer.visit(state_.graph, walls, here, state_.log)) {
-      if (state_.refused_merges.count(pair) == 0) pending_.insert(pair);
+      if (state_.params.merging.by_places && state_.refused_merges.count(pair) == 0) pending_.insert(pair);
     }
   }
 

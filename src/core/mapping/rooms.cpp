@@ -12,6 +12,7 @@ namespace {
 constexpr double corner_margin = 0.3;  // what is this near to a side does not cut the inside [m]
 constexpr double size_weight = 0.4;    // a tenth more area is worth four hundredths of the outline
 constexpr double wall_weight = 0.3;
+constexpr double side_height = 0.5;  // a side lower than this share of the highest is a cabinet, not a wall
 constexpr std::size_t most_candidates = 10;
 
 struct Candidate {
@@ -87,11 +88,19 @@ struct Coverage {
   double wall = 0;
 };
 
+// Whether a side is too low to be a wall beside the others.
+bool has_low_side(const Candidate& candidate, double least_share) {
+  const auto lower = [](const Face* a, const Face* b) { return a->height < b->height; };
+  const auto [lowest, highest] = std::minmax_element(candidate.sides.begin(), candidate.sides.end(), lower);
+  return (*lowest)->height < least_share * (*highest)->height;
+}
+
 // All tests on one candidate; the shares of its outline that have been seen go to `coverage`.
 RoomVerdict judge(const PlaceView& view, const Candidate& candidate, const RoomParams& params, double slack, Coverage* coverage) {
   const RoomVerdict widths = judge_widths(candidate.area, params);
   if (widths != RoomVerdict::accepted) return widths;
   const double ease = 1 - slack;
+  if (has_low_side(candidate, ease * side_height)) return RoomVerdict::uncovered;
   for (const Side side : {low_x, high_x, low_y, high_y}) {
     const bool across_x = side == low_x || side == high_x;
     const bool low = side == low_x || side == low_y;

@@ -20,9 +20,8 @@ struct Relations {
   PairSet perpendicular;
 };
 
-Relations wanted_relations(const TopologicalLayer& layer, bool enabled) {
+Relations wanted_relations(const TopologicalLayer& layer, const TopologyParams& params) {
   Relations wanted;
-  if (!enabled) return wanted;
   const auto add = [](PairSet& set, PlaneId a, PlaneId b) {
     if (a != b) set.insert(ordered(a, b));
   };
@@ -35,6 +34,8 @@ Relations wanted_relations(const TopologicalLayer& layer, bool enabled) {
     }
   }
   for (const auto& [id, corridor] : layer.corridors()) add(wanted.parallel, corridor.shape.walls[0], corridor.shape.walls[1]);
+  if (!params.parallel_factors) wanted.parallel.clear();
+  if (!params.perpendicular_factors) wanted.perpendicular.clear();
   return wanted;
 }
 
@@ -105,7 +106,7 @@ Transaction synchronise_topology(const Graph& graph, const TopologicalLayer& lay
         std::set<std::pair<PlaneId, CorridorSide>>{{corridor.shape.walls[0], CorridorSide::right}, {corridor.shape.walls[1], CorridorSide::left}},
         params.wall_sigma, edit);
   }
-  Relations wanted = wanted_relations(layer, params.parallel_factors);
+  Relations wanted = wanted_relations(layer, params);
   synchronise_pairs<ParallelPlanes>(graph, std::move(wanted.parallel), params, face_pairs(graph), edit);
   synchronise_pairs<PerpendicularPlanes>(graph, std::move(wanted.perpendicular), params, {}, edit);
   return edit;

@@ -100,12 +100,14 @@ std::vector<PlanePair> TopologicalLayer::visit(Graph& graph, const std::vector<W
   follow_merges(graph);
   const std::vector<Wall> recent = recent_walls(walls, visit.keyframe, params_.topology.recent);
   for (const auto* among : {&recent, &walls}) {
+    if (!params_.topology.rooms) break;
     const RoomSearch search = find_room(*among, visit.position, visit.building_yaw, params_.rooms);
     if (search.room) return take_room(graph, *search.room, walls, visit, log);
   }
   const bool in_room = std::any_of(rooms_.begin(), rooms_.end(), [&](const auto& entry) { return entry.second.shape.area.contains(visit.position); });
   if (in_room) return {};
   for (const auto* among : {&walls, &recent}) {
+    if (!params_.topology.corridors) break;
     const CorridorSearch search = find_corridor(*among, visit.position, visit.building_yaw, params_.corridors);
     if (search.corridor) return take_corridor(graph, *search.corridor, walls, visit, log);
   }
@@ -158,7 +160,8 @@ std::vector<PlanePair> TopologicalLayer::take_room(Graph& graph, const RoomShape
   std::optional<CorridorId> was;
   for (const auto& [id, corridor] : corridors_) {
     const double shared = shared_share(corridor.shape.area, found.area);
-    if (shared > same_place) {
+    // A room that is but a piece of a corridor would be one between two things standing in it.
+    if (shared_area(corridor.shape.area, found.area) > same_place * corridor.shape.area.area()) {
       was = id;
     } else if (shared > conflict) {
       refuse(visit, what, "overlaps corridor/" + std::to_string(id.value), log);

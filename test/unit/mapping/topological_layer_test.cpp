@@ -135,6 +135,58 @@ TEST_F(Layer, ACabinetDoesNotDivideACorridor) {
   EXPECT_NEAR(layer.corridors().begin()->second.shape.area.size.x(), 30, 1e-9);
 }
 
+// Two cabinets in a corridor face each other over most of its width, with the corridor's walls beside them. It's no room: they're low; and were they
+// high, the corridor would still be more than this piece of it.
+TEST_F(Layer, WhatStandsInACorridorMakesNoRoomOfIt) {
+  for (const double height : {1.2, 2.5}) {
+    plan = {};
+    layer = TopologicalLayer(params);
+    plan.add({0, 0}, {30, 0});
+    plan.add({30, 2.3}, {0, 2.3});
+    for (Wall& wall : plan.walls) wall.height = 2.5;
+    visit({5, 1});
+    ASSERT_EQ(layer.corridors().size(), 1U);
+    plan.walls[static_cast<std::size_t>(plan.add({14, 1.7}, {14, 0}).value)].height = height;
+    plan.walls[static_cast<std::size_t>(plan.add({17, 0}, {17, 1.7}).value)].height = height;
+    visit({15, 1});
+    judge();
+    EXPECT_TRUE(layer.rooms().empty()) << height;
+    EXPECT_EQ(layer.corridors().size(), 1U) << height;
+  }
+}
+
+TEST_F(Layer, RoomsCorridorsAndTheirFactorsCanBeTurnedOff) {
+  plan.box(0, 0, 6, 4);
+  plan.add({20, 0}, {40, 0});
+  plan.add({40, 2}, {20, 2});
+  add_planes();
+  const auto with = [&](bool rooms, bool corridors) {
+    params.topology.rooms = rooms;
+    params.topology.corridors = corridors;
+    layer = TopologicalLayer(params);
+    visit({1, 1});
+    visit({30, 1});
+    return std::pair{layer.rooms().size(), layer.corridors().size()};
+  };
+  EXPECT_EQ(with(false, true), (std::pair<std::size_t, std::size_t>{0, 1}));
+  EXPECT_EQ(with(true, false), (std::pair<std::size_t, std::size_t>{1, 0}));
+  EXPECT_EQ(with(true, true), (std::pair<std::size_t, std::size_t>{1, 1}));
+  const auto factors = [&](bool parallel, bool perpendicular) {
+    TopologyParams topology = params.topology;
+    topology.parallel_factors = parallel;
+    topology.perpendicular_factors = perpendicular;
+    std::pair<int, int> count;
+    for (const Factor& factor : synchronise_topology(graph, layer, {}, topology).factors) {
+      count.first += std::holds_alternative<ParallelPlanes>(factor.data) ? 1 : 0;
+      count.second += std::holds_alternative<PerpendicularPlanes>(factor.data) ? 1 : 0;
+    }
+    return count;
+  };
+  EXPECT_EQ(factors(true, true), std::pair(3, 4));
+  EXPECT_EQ(factors(true, false), std::pair(3, 0));
+  EXPECT_EQ(factors(false, true), std::pair(0, 4));
+}
+
 // Two stretches of one, known before what lies between them has been seen, are one corridor as soon as they meet.
 TEST_F(Layer, StretchesOfACorridorThatMeetAreOne) {
   plan.add({0, 0}, {30, 0});

@@ -147,6 +147,7 @@ struct SemanticsParams {
 /// Planes that turn out to be one (paper: soft loop closure).
 struct MergeParams {
   bool enabled = true;
+  bool by_places = true;
   double chi_square = 7.81;
   double max_angle = 0.0873;
   double max_distance = 0.4;
@@ -157,6 +158,8 @@ struct MergeParams {
 
   void describe(ParamVisitor& v) {
     v.field("enabled", enabled, "Merge planes that turn out to be one surface.");
+    v.field("by_places", by_places,
+            "A room or corridor seen again shows which planes are one wall: these merge more readily (paper: soft loop closure).");
     v.field("chi_square", chi_square, "", {1, 100}, "Largest squared Mahalanobis distance between the two, 3 degrees of freedom.");
     v.field("max_angle", max_angle, "rad", {0.001, 0.5}, "Largest angle between their normals.");
     v.field("max_distance", max_distance, "m", {0.01, 10}, "Largest distance between them, however uncertain they are.");
@@ -170,7 +173,10 @@ struct MergeParams {
 
 /// Factors of the topological layer.
 struct TopologyParams {
+  bool rooms = true;
+  bool corridors = true;
   bool parallel_factors = true;
+  bool perpendicular_factors = true;
   bool width_factors = false;
   bool thickness_factors = false;
   double wall_sigma = 0.02;
@@ -185,7 +191,10 @@ struct TopologyParams {
   double min_height = 1.2;
 
   void describe(ParamVisitor& v) {
-    v.field("parallel_factors", parallel_factors, "Facing walls are parallel, neighbours of a room perpendicular: as factors on the normals.");
+    v.field("rooms", rooms, "Find rooms.");
+    v.field("corridors", corridors, "Find corridors.");
+    v.field("parallel_factors", parallel_factors, "Facing walls of rooms and corridors are parallel: as factors on the normals.");
+    v.field("perpendicular_factors", perpendicular_factors, "Neighbouring walls of a room are perpendicular: as factors on the normals.");
     v.field("width_factors", width_factors, "Widths as single keyframes see them: as factors on rooms and corridors.");
     v.field("thickness_factors", thickness_factors,
             "The two faces of a wall are as far apart as those of the other walls of the building: as factors.");
