@@ -11,6 +11,9 @@ namespace {
 // A ray closer to the surface than this (about 4 degrees) doesn't tell which side it comes from.
 constexpr double grazing = 0.07;
 
+// How much thicker than by the sensor's noise a flat Gaussian may be.
+constexpr double noise_share = 1.5;
+
 // Square of the cosine between rays and normal above which points tell of the noise along the ray.
 constexpr float steep = 0.25F;
 
@@ -100,7 +103,8 @@ void SurfaceMap::fit(Face& face, const Eigen::Vector3d& origin) const {
   if (face.surface.normal.dot(face.seen_from.cast<double>()) < 0) face.surface.normal *= -1;
   face.surface.variance = smallest;
   face.ratio = static_cast<float>(smallest / std::max(1e-12, solver.eigenvalues()[1]));
-  face.flat = face.ratio < params_.flat_ratio && smallest < flat_variance_;
+  const double by_noise = noise_share * noise_share * range_variance_ * static_cast<double>(face.incidence);
+  face.flat = face.ratio < params_.flat_ratio && smallest < std::max(flat_variance_, by_noise);
   face.fitted = face.count;
 }
 
@@ -144,7 +148,7 @@ void SurfaceMap::update_noise() {
   if (variances.size() < 10) return;
   noise_ = std::sqrt(median(variances));
   if (along_ray.size() >= 10) range_variance_ = median(along_ray);
-  const double limit = std::max(params_.flat_sigma, 1.5 * noise_);
+  const double limit = std::max(params_.flat_sigma, noise_share * noise_);
   flat_variance_ = limit * limit;
 }
 

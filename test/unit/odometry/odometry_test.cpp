@@ -109,6 +109,17 @@ TEST(Odometry, TheMotionWithinTheScanIsWorthFinding) {
   for (const auto& [model, worst] : error) EXPECT_LT(worst, 0.15) << model;
 }
 
+TEST(Odometry, TakesTheRangeNoiseFromTheData) {
+  for (const double noise : {0.01, 0.04}) {
+    sim::LidarSettings settings;
+    settings.range_noise = noise;
+    const auto scans = demo(100, settings, 40);
+    const Outcome run = run_odometry(scans.scans, scans.T_base_lidar);
+    EXPECT_LT(worst_error(run.finals, scans.truth), 0.02 + 0.75 * noise) << "the first scan, from which this is measured, has the noise too";
+    EXPECT_GT(run.estimates.back().inlier_share, 0.4) << noise;
+  }
+}
+
 TEST(Odometry, SameScansSameResult) {
   const auto scans = demo(40, {}, 60);
   const Outcome a = run_odometry(scans.scans, scans.T_base_lidar);

@@ -32,7 +32,7 @@ struct SurfaceMapParams {
     v.field("max_points", max_points, "", {10, 100000}, "Points after which a Gaussian stops learning.");
     v.field("flat_ratio", flat_ratio, "", {0.001, 1}, "A Gaussian is flat when its smallest variance is at most this share of the next.");
     v.field("flat_sigma", flat_sigma, "m", {0.001, 1},
-            "... and its smallest standard deviation at most this, or 1.5 times what is usual in the map where the sensor is noisier.");
+            "... and its smallest standard deviation at most this, or 1.5 times what the sensor's noise, as the map shows it, makes of it.");
   }
 };
 
