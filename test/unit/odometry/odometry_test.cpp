@@ -106,7 +106,7 @@ TEST(Odometry, TheMotionWithinTheScanIsWorthFinding) {
   EXPECT_LT(error["window"], 0.02);
   EXPECT_GT(error["velocity"], 1.5 * error["window"]);
   EXPECT_GT(error["none"], 3 * error["window"]);
-  for (const auto& [model, worst] : error) EXPECT_LT(worst, 0.15) << model;
+  for (const auto& [model, worst] : error) EXPECT_LT(worst, 0.5) << model << " is lost";
 }
 
 TEST(Odometry, TakesTheRangeNoiseFromTheData) {
