@@ -14,6 +14,9 @@ constexpr double grazing = 0.07;
 // How much thicker than by the sensor's noise a flat Gaussian may be.
 constexpr double noise_share = 1.5;
 
+// A Gaussian is used when its plane is known this well half an edge of its voxel away from its mean [m].
+constexpr double known_at_edge = 0.01;
+
 // Square of the cosine between rays and normal above which points tell of the noise along the ray.
 constexpr float steep = 0.25F;
 
@@ -37,9 +40,12 @@ double median(std::vector<double>& values) {
 
 SurfaceMap::SurfaceMap(const SurfaceMapParams& params) : params_(params), flat_variance_(params.flat_sigma * params.flat_sigma) {
   double edge = params.voxel;
-  for (int i = 0; i < params.levels; ++i, edge *= 0.5) levels_.push_back({VoxelIndex(edge), {}, {}});
+  for (int i = 0; i < params.levels; ++i, edge *= 0.5) levels_.push_back({edge, VoxelIndex(edge), {}, {}});
   edge = params.voxel;
-  for (int i = 0; i < params.wide_levels; ++i) levels_.push_back({VoxelIndex(edge *= 2), {}, {}});
+  for (int i = 0; i < params.wide_levels; ++i) {
+    edge *= 2;
+    levels_.push_back({edge, VoxelIndex(edge), {}, {}});
+  }
 }
 
 std::size_t SurfaceMap::voxel_count() const {
@@ -88,7 +94,7 @@ void SurfaceMap::insert(const Eigen::Vector3d& point, const Eigen::Vector3d& sen
   }
 }
 
-void SurfaceMap::fit(Face& face, const Eigen::Vector3d& origin) const {
+void SurfaceMap::fit(Face& face, const Eigen::Vector3d& origin, double edge) const {
   const double n = face.count;
   const Eigen::Vector3d mean = face.sum / n;
   const Eigen::Matrix3d covariance = (symmetric(face.outer) - n * mean * mean.transpose()) / (n - 1);
@@ -104,7 +110,9 @@ void SurfaceMap::fit(Face& face, const Eigen::Vector3d& origin) const {
   face.surface.variance = smallest;
   face.ratio = static_cast<float>(smallest / std::max(1e-12, solver.eigenvalues()[1]));
   const double by_noise = noise_share * noise_share * range_variance_ * static_cast<double>(face.incidence);
-  face.flat = face.ratio < params_.flat_ratio && smallest < std::max(flat_variance_, by_noise);
+  // A stripe or two of a ring say little of the lean about them.
+  const double lean = std::sqrt(smallest / (n * std::max(1e-12, solver.eigenvalues()[1])));
+  face.flat = 0.5 * edge * lean < known_at_edge && face.ratio < params_.flat_ratio && smallest < std::max(flat_variance_, by_noise);
   face.fitted = face.count;
 }
 
@@ -127,7 +135,7 @@ void SurfaceMap::fit_changed() {
     for (const std::uint32_t i : level.changed) {
       Voxel& voxel = level.voxels[i];
       for (Face& face : voxel.faces) {
-        if (face.changed) fit(face, voxel.origin);
+        if (face.changed) fit(face, voxel.origin, level.edge);
       }
     }
   }

@@ -63,7 +63,7 @@ TEST(RigidAlignment, UndoesSeededPerturbations) {
     EXPECT_LT((left * sensor - sensor).norm(), 0.004) << i;
     EXPECT_LT(so3_log(left.rotation).norm(), 0.002) << i;
     EXPECT_EQ(result.held_directions, 6);
-    EXPECT_GT(result.inlier_share, 0.9);
+    EXPECT_GT(result.inlier_share, 0.85);
   }
 }
 

@@ -91,6 +91,7 @@ class SurfaceMap {
     std::array<Face, 2> faces;
   };
   struct Level {
+    double edge;  // [m]
     VoxelIndex index;
     std::vector<Voxel> voxels;
     std::vector<std::uint32_t> changed;
@@ -99,7 +100,7 @@ class SurfaceMap {
   [[nodiscard]] const Surface* match_in(const Level& level, const Eigen::Vector3d& at, const Eigen::Vector3d& point, const Eigen::Vector3d& sensor,
                                         double gate) const;
   Face* face_for(Voxel& voxel, const Eigen::Vector3d& ray) const;
-  void fit(Face& face, const Eigen::Vector3d& origin) const;
+  void fit(Face& face, const Eigen::Vector3d& origin, double edge) const;
   void fit_changed();
   void update_noise();
 
