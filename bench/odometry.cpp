@@ -5,27 +5,17 @@
 
 #include "sgraph_slam/core/math/se3.hpp"
 #include "sgraph_slam/core/odometry/odometry.hpp"
+#include "sgraph_slam/core/odometry/thinning.hpp"
 #include "sgraph_slam/core/odometry/window_solver.hpp"
 #include "sgraph_slam/core/prefilter/prefilter.hpp"
 #include "sgraph_slam/core/registration/rigid_alignment.hpp"
 #include "sgraph_slam/core/sim/simulator.hpp"
-#include "sgraph_slam/core/util/scattered_order.hpp"
-#include "sgraph_slam/core/util/voxel_set.hpp"
 
 namespace sgraph {
 namespace {
 
 constexpr int scan_count = 80;
 constexpr int mapped = 78;  // the last two are in the window
-
-std::vector<Point> thinned(const std::vector<Point>& points, double leaf) {
-  VoxelSet seen(leaf, points.size());
-  std::vector<Point> kept;
-  visit_scattered(points.size(), [&](std::size_t i) {
-    if (seen.insert(points[i].x, points[i].y, points[i].z)) kept.push_back(points[i]);
-  });
-  return kept;
-}
 
 struct Stretch {
   std::vector<CloudPtr> raw;

@@ -14,30 +14,26 @@ def millimetres(metres):
     return f'{1000 * metres:.1f}' if metres < 0.1 else f'{1000 * metres:.0f}'
 
 
-def ate(evaluation, _):
-    return f"{evaluation['trajectory']['ate_translation_m']['rmse']:.4f}"
+def ate_of(trajectory, text):
+    def read(evaluation, _):
+        return text(evaluation[trajectory]['ate_translation_m']['rmse'])
+    return read
 
 
-def live_ate(evaluation, _):
-    return f"{evaluation['trajectory_live']['ate_translation_m']['rmse']:.4f}"
+def drift_of(trajectory):
+    def read(evaluation, _):
+        d = evaluation[trajectory]['drift_10m']
+        return f"{d['translation_percent']:.2f} / {d['rotation_deg_per_m']:.3f}"
+    return read
 
 
-def ate_mm(evaluation, _):
-    return millimetres(evaluation['trajectory']['ate_translation_m']['rmse'])
+ate, live_ate = (ate_of(t, '{:.4f}'.format) for t in ('trajectory', 'trajectory_live'))
+ate_mm, live_ate_mm = (ate_of(t, millimetres) for t in ('trajectory', 'trajectory_live'))
+drift, live_drift = (drift_of(t) for t in ('trajectory', 'trajectory_live'))
 
 
 def ate_and_live_mm(evaluation, report):
-    return f"{ate_mm(evaluation, report)} ({millimetres(evaluation['trajectory_live']['ate_translation_m']['rmse'])})"
-
-
-def drift(evaluation, _):
-    d = evaluation['trajectory']['drift_10m']
-    return f"{d['translation_percent']:.2f} / {d['rotation_deg_per_m']:.3f}"
-
-
-def live_drift(evaluation, _):
-    d = evaluation['trajectory_live']['drift_10m']
-    return f"{d['translation_percent']:.2f} / {d['rotation_deg_per_m']:.3f}"
+    return f'{ate_mm(evaluation, report)} ({live_ate_mm(evaluation, report)})'
 
 
 def length(evaluation, _):

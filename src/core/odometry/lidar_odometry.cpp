@@ -7,8 +7,7 @@
 
 #include "sgraph_slam/core/math/se3.hpp"
 #include "sgraph_slam/core/math/so3.hpp"
-#include "sgraph_slam/core/util/scattered_order.hpp"
-#include "sgraph_slam/core/util/voxel_set.hpp"
+#include "sgraph_slam/core/odometry/thinning.hpp"
 
 namespace sgraph {
 namespace {
@@ -33,19 +32,6 @@ constexpr double fastest_tilt = 1.0;      // [rad/s]: what robots and people add
 constexpr double far_share = 0.3;         // of the usual share of matches
 constexpr int longest_blindness = 5;      // scans without registration over which the motion is believed to go on
 constexpr double covariance_scale = 9.0;  // points on one surface share its errors: their residuals are not independent
-
-// One point in each voxel of the given edge; all when it is 0.
-std::vector<Point> thinned(const std::vector<Point>& points, double leaf) {
-  if (leaf <= 0) return points;
-  std::vector<char> keep(points.size());
-  VoxelSet seen(leaf, points.size());
-  visit_scattered(points.size(), [&](std::size_t i) { keep[i] = seen.insert(points[i].x, points[i].y, points[i].z); });
-  std::vector<Point> kept;
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    if (keep[i]) kept.push_back(points[i]);
-  }
-  return kept;
-}
 
 }  // namespace
 

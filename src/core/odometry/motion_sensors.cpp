@@ -95,7 +95,7 @@ std::optional<Eigen::Quaterniond> MotionSensors::turn(Stamp begin, Stamp end) co
 std::optional<Pose> MotionSensors::way(Stamp begin, Stamp end) const {
   const auto way = way_of_base(begin, end);
   if (!way) return std::nullopt;
-  return T_base_lidar_.inverse() * *way * T_base_lidar_;
+  return of_lidar(*way);
 }
 
 std::vector<MeasuredMotion> MotionSensors::between(Stamp begin, Stamp end) const {
@@ -115,7 +115,7 @@ std::vector<MeasuredMotion> MotionSensors::between(Stamp begin, Stamp end) const
     sigma << tilt_sigma, tilt_sigma, heading, along, along, height_sigma;
     const Matrix6 to_base = se3_adjoint(T_base_lidar_);
     MeasuredMotion m;
-    m.motion = T_base_lidar_.inverse() * *way * T_base_lidar_;
+    m.motion = of_lidar(*way);
     m.information = to_base.transpose() * sigma.array().square().inverse().matrix().asDiagonal() * to_base;
     measured.push_back(m);
   }

@@ -143,7 +143,7 @@ class Problem {
       e.head<3>() *= wr;
       e.tail<3>() *= wt;
       l.cost += e.squaredNorm();
-      add_triple(j, jacobian, e, l);
+      add_residual<3>(j - 1, jacobian, jacobian, e, l);
     }
   }
 
@@ -168,32 +168,22 @@ class Problem {
       const double squared = e.dot(m.measured.information * e);
       const double share = measurement_kernel2 / (measurement_kernel2 + squared);
       l.cost += share * squared;
-      add_pair(m.segment, jacobian, share * share * m.measured.information, e, l);
+      add_residual<2>(m.segment, jacobian, share * share * m.measured.information * jacobian, e, l);
     }
   }
 
-  void add_pair(int segment, const Eigen::Matrix<double, 6, 12>& jacobian, const Matrix6& information, const Vector6& e, Linearisation& l) const {
-    for (int a = 0; a < 2; ++a) {
-      const Eigen::Index row = 6 * (segment + a - problem_.first_free);
+  // A residual of N knots in a row, the first of them `first`. `weighted`: its information times the Jacobian.
+  template <int N>
+  void add_residual(int first, const Eigen::Matrix<double, 6, 6 * N>& jacobian, const Eigen::Matrix<double, 6, 6 * N>& weighted, const Vector6& e,
+                    Linearisation& l) const {
+    for (int a = 0; a < N; ++a) {
+      const Eigen::Index row = 6 * (first + a - problem_.first_free);
       if (row < 0) continue;
-      const Matrix6 weighted = jacobian.block<6, 6>(0, 6 * a).transpose() * information;
-      l.b.segment<6>(row) += weighted * e;
-      for (int c = 0; c < 2; ++c) {
-        const Eigen::Index column = 6 * (segment + c - problem_.first_free);
-        if (column >= 0) l.h.block<6, 6>(row, column) += weighted * jacobian.block<6, 6>(0, 6 * c);
-      }
-    }
-  }
-
-  void add_triple(int j, const Eigen::Matrix<double, 6, 18>& jacobian, const Vector6& e, Linearisation& l) const {
-    for (int a = 0; a < 3; ++a) {
-      const Eigen::Index row = 6 * (j - 1 + a - problem_.first_free);
-      if (row < 0) continue;
-      const auto ja = jacobian.block<6, 6>(0, 6 * a);
+      const auto ja = weighted.template block<6, 6>(0, 6 * a);
       l.b.segment<6>(row) += ja.transpose() * e;
-      for (int c = 0; c < 3; ++c) {
-        const Eigen::Index column = 6 * (j - 1 + c - problem_.first_free);
-        if (column >= 0) l.h.block<6, 6>(row, column) += ja.transpose() * jacobian.block<6, 6>(0, 6 * c);
+      for (int c = 0; c < N; ++c) {
+        const Eigen::Index column = 6 * (first + c - problem_.first_free);
+        if (column >= 0) l.h.block<6, 6>(row, column) += ja.transpose() * jacobian.template block<6, 6>(0, 6 * c);
       }
     }
   }

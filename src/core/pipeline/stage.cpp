@@ -1,13 +1,9 @@
 #include "sgraph_slam/core/pipeline/stage.hpp"
 
-#include <chrono>
-
 #include "sgraph_slam/core/util/resources.hpp"
 
 namespace sgraph {
 namespace {
-
-double wall_milliseconds() { return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
 
 double cpu_milliseconds() { return 1e3 * cpu_seconds(); }
 
@@ -38,14 +34,12 @@ StageCost& StageCost::operator+=(const StageCost& other) {
   return *this;
 }
 
-StageClock::StageClock() : wall_(wall_milliseconds()), cpu_(cpu_milliseconds()) {}
+StageClock::StageClock() : cpu_(cpu_milliseconds()) {}
 
 void StageClock::book(Stage stage, StageCost& cost) {
-  const double wall = wall_milliseconds();
   const double cpu = cpu_milliseconds();
-  cost.wall[static_cast<std::size_t>(stage)] += wall - wall_;
+  cost.wall[static_cast<std::size_t>(stage)] += wall_.lap();
   cost.cpu[static_cast<std::size_t>(stage)] += cpu - cpu_;
-  wall_ = wall;
   cpu_ = cpu;
 }
 

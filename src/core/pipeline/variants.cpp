@@ -53,9 +53,10 @@ std::string segmentation_key(const Variant& variant) {
   return to_yaml([&params](ParamVisitor& v) { v.group("segmentation", params, ""); });
 }
 
-template <class Group>
-Group* with_key(std::vector<Group>& groups, const std::string& key) {
-  const auto found = std::find_if(groups.begin(), groups.end(), [&key](const Group& group) { return group.key == key; });
+// The group of that key; null when there is none.
+template <class Groups>
+typename Groups::value_type* with_key(Groups& groups, const std::string& key) {
+  const auto found = std::find_if(groups.begin(), groups.end(), [&key](const auto& group) { return group.key == key; });
   return found != groups.end() ? &*found : nullptr;
 }
 
@@ -90,10 +91,10 @@ VariantSet::VariantSet(std::vector<Variant> variants, const Pose& T_base_lidar) 
     if (!names.insert(variant.name).second) throw std::runtime_error("two variants are named " + variant.name);
     runs_.emplace_back(variant.params.mapping, T_base_lidar, variant.until);
     const std::string key = front_key(variant);
-    auto front = std::find_if(fronts_.begin(), fronts_.end(), [&key](const Front& f) { return f.key == key; });
-    if (front == fronts_.end()) {
+    Front* front = with_key(fronts_, key);
+    if (front == nullptr) {
       fronts_.push_back({key, variant.encoders, variant.imu, FrontEnd(variant.params, T_base_lidar, variant.until), {}});
-      front = std::prev(fronts_.end());
+      front = &fronts_.back();
     }
     const std::string planes = segmentation_key(variant);
     Segmentation* segmentation = with_key(front->segmentations, planes);

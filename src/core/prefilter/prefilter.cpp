@@ -65,10 +65,7 @@ FilteredScan Prefilter::process(const Cloud& raw) const {
   auto cloud = std::make_shared<Cloud>();
   cloud->stamp = raw.stamp;
   cloud->frame = raw.frame;
-  cloud->points.reserve(raw.size());
-  std::vector<char> keep(raw.size());
-  visit_scattered(raw.size(), [&](std::size_t i) {
-    const Point& p = raw.points[i];
+  cloud->points = kept_scattered(raw.points, [&](const Point& p) {
     const double range2 = squared_range(p);
     if (!valid(p, range2)) {
       ++counts.invalid;
@@ -77,12 +74,10 @@ FilteredScan Prefilter::process(const Cloud& raw) const {
     } else if (thin && !taken.insert(p.x, p.y, p.z)) {
       ++counts.voxel;
     } else {
-      keep[i] = 1;
+      return true;
     }
+    return false;
   });
-  for (std::size_t i = 0; i < raw.size(); ++i) {
-    if (keep[i]) cloud->points.push_back(raw.points[i]);
-  }
   counts.outliers = remove_outliers(cloud->points, params_);
   cloud->points.shrink_to_fit();  // scans are kept by keyframes and by the odometry's window
   counts.kept = static_cast<int>(cloud->size());

@@ -24,6 +24,16 @@ constexpr float steep = 0.25F;
 bool worth_a_fit(int count, int fitted) { return count > fitted + fitted / 10; }
 
 template <typename Scalar>
+void add_outer_product(const Eigen::Matrix<Scalar, 3, 1>& p, std::array<Scalar, 6>& sum) {
+  sum[0] += p.x() * p.x();
+  sum[1] += p.x() * p.y();
+  sum[2] += p.x() * p.z();
+  sum[3] += p.y() * p.y();
+  sum[4] += p.y() * p.z();
+  sum[5] += p.z() * p.z();
+}
+
+template <typename Scalar>
 Eigen::Matrix3d symmetric(const std::array<Scalar, 6>& o) {
   Eigen::Matrix<Scalar, 3, 3> m;
   m << o[0], o[1], o[2], o[1], o[3], o[4], o[2], o[4], o[5];
@@ -72,20 +82,9 @@ void SurfaceMap::insert(const Eigen::Vector3d& point, const Eigen::Vector3d& sen
     if (face == nullptr || face->count >= params_.max_points) continue;
     const Eigen::Vector3d p = point - voxel.origin;
     face->sum += p;
-    face->outer[0] += p.x() * p.x();
-    face->outer[1] += p.x() * p.y();
-    face->outer[2] += p.x() * p.z();
-    face->outer[3] += p.y() * p.y();
-    face->outer[4] += p.y() * p.z();
-    face->outer[5] += p.z() * p.z();
+    add_outer_product(p, face->outer);
     face->seen_from += ray.cast<float>();
-    const Eigen::Vector3f r = ray.cast<float>();
-    face->rays[0] += r.x() * r.x();
-    face->rays[1] += r.x() * r.y();
-    face->rays[2] += r.x() * r.z();
-    face->rays[3] += r.y() * r.y();
-    face->rays[4] += r.y() * r.z();
-    face->rays[5] += r.z() * r.z();
+    add_outer_product<float>(ray.cast<float>(), face->rays);
     ++face->count;
     if (!face->changed && face->count >= params_.min_points && worth_a_fit(face->count, face->fitted)) {
       face->changed = true;
@@ -108,10 +107,11 @@ void SurfaceMap::fit(Face& face, const Eigen::Vector3d& origin, double edge) con
   face.incidence = static_cast<float>(face.surface.normal.dot(along_rays * face.surface.normal));
   if (face.surface.normal.dot(face.seen_from.cast<double>()) < 0) face.surface.normal *= -1;
   face.surface.variance = smallest;
-  face.ratio = static_cast<float>(smallest / std::max(1e-12, solver.eigenvalues()[1]));
+  const double next = std::max(1e-12, solver.eigenvalues()[1]);
+  face.ratio = static_cast<float>(smallest / next);
   const double by_noise = noise_share * noise_share * range_variance_ * static_cast<double>(face.incidence);
   // A stripe or two of a ring say little of the lean about them.
-  const double lean = std::sqrt(smallest / (n * std::max(1e-12, solver.eigenvalues()[1])));
+  const double lean = std::sqrt(smallest / (n * next));
   face.flat = 0.5 * edge * lean < known_at_edge && face.ratio < params_.flat_ratio && smallest < std::max(flat_variance_, by_noise);
   face.fitted = face.count;
 }

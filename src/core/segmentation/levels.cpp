@@ -77,13 +77,15 @@ using Tilt = Eigen::Vector3d;
 
 double off_by(const Patch& patch, const Tilt& tilt) { return patch.distance - tilt.dot(Eigen::Vector3d(1, patch.u, patch.v)); }
 
+double weight_of(const Patch& patch) { return std::min<double>(patch.count, most_counted); }
+
 // Least squares over the patches, by the weight that `share` (0..1) gives each.
 template <class Share>
 Tilt fitted(const std::vector<Patch>& patches, const Share& share) {
   Eigen::Matrix3d A = 1e-6 * Eigen::Matrix3d::Identity();
   Eigen::Vector3d b = Eigen::Vector3d::Zero();
   for (const Patch& patch : patches) {
-    const double weight = std::min<double>(patch.count, most_counted) * share(patch);
+    const double weight = weight_of(patch) * share(patch);
     const Eigen::Vector3d row(1, patch.u, patch.v);
     A += weight * row * row.transpose();
     b += weight * patch.distance * row;
@@ -97,7 +99,7 @@ Tilt plane_of_most(const std::vector<Patch>& patches, double scale, Tilt best) {
   const auto closeness = [scale](double r) { return 1 / (1 + r * r / (scale * scale)); };
   const auto score = [&](const Tilt& tilt) {
     double sum = 0;
-    for (const Patch& patch : patches) sum += std::min<double>(patch.count, most_counted) * closeness(off_by(patch, tilt));
+    for (const Patch& patch : patches) sum += weight_of(patch) * closeness(off_by(patch, tilt));
     return sum;
   };
   double most = score(best);
@@ -134,7 +136,7 @@ int mark_off(std::vector<Patch>& patches, double noise) {
   const Tilt all = fitted(firm, [](const Patch&) { return 1.0; });
   double weights = 0, squares = 0;
   for (const Patch& patch : firm) {
-    const double weight = std::min<double>(patch.count, most_counted), r = off_by(patch, all);
+    const double weight = weight_of(patch), r = off_by(patch, all);
     weights += weight;
     squares += weight * std::max(0.0, r * r - noise * noise / patch.count);
   }

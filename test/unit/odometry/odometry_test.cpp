@@ -8,9 +8,12 @@
 #include "sgraph_slam/core/math/so3.hpp"
 #include "sgraph_slam/core/prefilter/prefilter.hpp"
 #include "sgraph_slam/core/sim/simulator.hpp"
+#include "support/worst_error.hpp"
 
 namespace sgraph {
 namespace {
+
+using test::worst_error;
 
 struct Outcome {
   Trajectory live;
@@ -42,16 +45,6 @@ Outcome run_odometry(const std::vector<CloudPtr>& scans, const Pose& T_base_lida
   }
   take(run, odometry.finish());
   return run;
-}
-
-// Largest distance from the truth, both starting at the origin.
-double worst_error(const Trajectory& estimate, const Trajectory& truth) {
-  double worst = 0;
-  for (const StampedPose& p : estimate) {
-    const Pose expected = pose_at(truth, estimate.front().stamp).inverse() * pose_at(truth, p.stamp);
-    worst = std::max(worst, (expected.translation - (estimate.front().pose.inverse() * p.pose).translation).norm());
-  }
-  return worst;
 }
 
 TEST(Odometry, FollowsAWalkingRobotToACentimetre) {

@@ -8,6 +8,7 @@
 #include "sgraph_slam/core/odometry/odometry.hpp"
 #include "sgraph_slam/core/prefilter/prefilter.hpp"
 #include "sgraph_slam/core/sim/simulator.hpp"
+#include "support/worst_error.hpp"
 
 namespace sgraph {
 namespace {
@@ -39,13 +40,7 @@ double worst_error(bool sensors, Change change) {
       for (const StampedPose& p : odometry.process(prefilter.process(*std::get<CloudPtr>(*event)).cloud).finals) finals.push_back(p);
     }
   }
-  const Trajectory truth = source.ground_truth();
-  double worst = 0;
-  for (const StampedPose& p : finals) {
-    const Pose expected = pose_at(truth, finals.front().stamp).inverse() * pose_at(truth, p.stamp);
-    worst = std::max(worst, (expected.translation - (finals.front().pose.inverse() * p.pose).translation).norm());
-  }
-  return worst;
+  return test::worst_error(finals, source.ground_truth());
 }
 
 TEST(Odometry, GyroAndRobotOdometryHelpAcrossGapsAndWrongOnesDoNotHurt) {

@@ -73,7 +73,7 @@ class LidarOdometry : public MotionSource {
   int untrusted_ = 0;                 // scans in a row that the map didn't explain
   double last_end_ = 0;               // of the scan before the newest
   Knot trusted_;                      // at the end of the last scan that the map explained
-  std::optional<Knot> last_final_;    // at the stamp of the last final scan, if the map explained it
+  std::optional<Knot> last_final_;    // at the stamp of the last final scan
   double usual_share_ = 0;            // of points that match, over the last scans
 };
 

@@ -41,6 +41,7 @@ class MotionSensors {
  private:
   [[nodiscard]] std::optional<Eigen::Quaterniond> turn_of_base(Stamp begin, Stamp end) const;
   [[nodiscard]] std::optional<Pose> way_of_base(Stamp begin, Stamp end) const;
+  [[nodiscard]] Pose of_lidar(const Pose& motion_of_base) const { return T_base_lidar_.inverse() * motion_of_base * T_base_lidar_; }
 
   Pose T_base_lidar_;
   std::deque<OdometrySample> odometry_;  // in order of stamp, the last few seconds

@@ -6,6 +6,7 @@
 
 #include "sgraph_slam/core/odometry/odometry.hpp"
 #include "sgraph_slam/core/prefilter/prefilter.hpp"
+#include "sgraph_slam/core/util/stopwatch.hpp"
 
 namespace sgraph {
 
@@ -43,7 +44,7 @@ class StageClock {
   void book(Stage stage, StageCost& cost);
 
  private:
-  double wall_;
+  Stopwatch wall_;
   double cpu_;
 };
 

@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <numeric>
+#include <vector>
 
 namespace sgraph {
 
@@ -19,6 +20,19 @@ void visit_scattered(std::size_t count, Visit&& visit) {
     i += step;
     if (i >= count) i -= count;
   }
+}
+
+/// The items that `keep` accepts: asked once each in scattered order, returned in their own.
+template <typename Item, typename Keep>
+std::vector<Item> kept_scattered(const std::vector<Item>& items, Keep&& keep) {
+  std::vector<char> kept(items.size());
+  visit_scattered(items.size(), [&](std::size_t i) { kept[i] = keep(items[i]); });
+  std::vector<Item> result;
+  result.reserve(items.size());
+  for (std::size_t i = 0; i < items.size(); ++i) {
+    if (kept[i]) result.push_back(items[i]);
+  }
+  return result;
 }
 
 }  // namespace sgraph
