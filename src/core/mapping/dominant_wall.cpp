@@ -7,7 +7,8 @@ namespace sgraph {
 namespace {
 
 constexpr double known_well = 10;       // views
-constexpr double clearly_more = 1.25;   // times the present wall's weight
+constexpr double comparable = 0.8;      // share of the greatest weight
+constexpr double behind = 0.01;         // [m]
 constexpr double corner_margin = 0.05;  // what reaches round the place's corner isn't of this side [m]
 
 // The place's side along a direction.
@@ -32,14 +33,21 @@ PlaneId dominant_wall(const std::vector<Wall>& walls, PlaneId present, const Ori
   const Interval side = side_along(place, own->direction());
   const Eigen::Vector2d middle = own->at(side.center());
   const auto weight = [&](const Wall& wall) { return total_length(clip(wall.support, side_along(place, wall.direction()))) * trust(wall); };
-  PlaneId best = present;
-  double most = clearly_more * weight(*own);
+  std::vector<const Wall*> same_side;
+  double most = 0;
   for (const Wall& wall : walls) {
     if (wall.normal.dot(own->normal) < std::cos(parallel) || std::abs(wall.distance(middle)) > coplanar) continue;
-    const double now = weight(wall);
-    if (wall.id == present || now <= most) continue;
-    most = now;
-    best = wall.id;
+    same_side.push_back(&wall);
+    most = std::max(most, weight(wall));
+  }
+  // Things stand before a wall and not behind it.
+  PlaneId best;
+  double furthest = 0;
+  for (const Wall* wall : same_side) {
+    const double depth = wall->distance(middle) + (wall->id == present ? behind : 0);
+    if (weight(*wall) < comparable * most || (best.valid() && depth <= furthest)) continue;
+    furthest = depth;
+    best = wall->id;
   }
   return best;
 }

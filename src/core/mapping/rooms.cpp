@@ -12,7 +12,7 @@ namespace {
 constexpr double corner_margin = 0.3;  // what is this near to a side does not cut the inside [m]
 constexpr double size_weight = 0.4;    // a tenth more area is worth four hundredths of the outline
 constexpr double wall_weight = 0.3;
-constexpr double side_height = 0.5;  // a side lower than this share of the highest is a cabinet, not a wall
+constexpr double side_height = 0.5;  // what is lower than this share of the highest side is furniture, not a wall
 constexpr std::size_t most_candidates = 10;
 
 struct Candidate {
@@ -50,7 +50,9 @@ double length_inside(const Eigen::Vector2d& from, const Eigen::Vector2d& to, con
 }
 
 // Whether walls across one axis (both facings) run through the inside: over a large share of it, the two faces and the two sides of a door together.
-bool cut_across(const std::vector<Face>& low_faces, const std::vector<Face>& high_faces, Interval across, Interval along, const RoomParams& params) {
+// What is lower than `least_height` stands in the room.
+bool cut_across(const std::vector<Face>& low_faces, const std::vector<Face>& high_faces, Interval across, Interval along, double least_height,
+                const RoomParams& params) {
   struct Inside {
     double position;
     const Face* face;
@@ -58,6 +60,7 @@ bool cut_across(const std::vector<Face>& low_faces, const std::vector<Face>& hig
   std::vector<Inside> inside;
   for (const bool low : {true, false}) {
     for (const Face& face : low ? low_faces : high_faces) {
+      if (face.height < least_height) continue;
       if (face.position < across.low + corner_margin || face.position > across.high - corner_margin) continue;
       const double before_wall = low ? face.position - across.low : across.high - face.position;
       if (before_wall <= params.furniture_depth) continue;
@@ -74,9 +77,9 @@ bool cut_across(const std::vector<Face>& low_faces, const std::vector<Face>& hig
   return false;
 }
 
-bool is_cut(const PlaceView& view, const Rectangle& area, const RoomParams& params) {
-  if (cut_across(view.faces[low_x], view.faces[high_x], area.x, area.y, params)) return true;
-  if (cut_across(view.faces[low_y], view.faces[high_y], area.y, area.x, params)) return true;
+bool is_cut(const PlaceView& view, const Rectangle& area, double least_height, const RoomParams& params) {
+  if (cut_across(view.faces[low_x], view.faces[high_x], area.x, area.y, least_height, params)) return true;
+  if (cut_across(view.faces[low_y], view.faces[high_y], area.y, area.x, least_height, params)) return true;
   const double limit = params.cut_share * std::min(area.x.length(), area.y.length());
   const Rectangle inner{{area.x.low + corner_margin, area.x.high - corner_margin}, {area.y.low + corner_margin, area.y.high - corner_margin}};
   return std::any_of(view.oblique.begin(), view.oblique.end(),
@@ -88,11 +91,11 @@ struct Coverage {
   double wall = 0;
 };
 
-// Whether a side is too low to be a wall beside the others.
-bool has_low_side(const Candidate& candidate, double least_share) {
+// Of the lowest and of the highest side [m].
+Interval heights(const Candidate& candidate) {
   const auto lower = [](const Face* a, const Face* b) { return a->height < b->height; };
   const auto [lowest, highest] = std::minmax_element(candidate.sides.begin(), candidate.sides.end(), lower);
-  return (*lowest)->height < least_share * (*highest)->height;
+  return {(*lowest)->height, (*highest)->height};
 }
 
 // All tests on one candidate; the shares of its outline that have been seen go to `coverage`.
@@ -100,7 +103,8 @@ RoomVerdict judge(const PlaceView& view, const Candidate& candidate, const RoomP
   const RoomVerdict widths = judge_widths(candidate.area, params);
   if (widths != RoomVerdict::accepted) return widths;
   const double ease = 1 - slack;
-  if (has_low_side(candidate, ease * side_height)) return RoomVerdict::uncovered;
+  const Interval height = heights(candidate);
+  if (height.low < ease * side_height * height.high) return RoomVerdict::uncovered;
   for (const Side side : {low_x, high_x, low_y, high_y}) {
     const bool across_x = side == low_x || side == high_x;
     const bool low = side == low_x || side == low_y;
@@ -114,7 +118,7 @@ RoomVerdict judge(const PlaceView& view, const Candidate& candidate, const RoomP
     coverage->wall += wall * share;
   }
   if (coverage->all < ease * params.min_coverage) return RoomVerdict::uncovered;
-  return is_cut(view, candidate.area, params) ? RoomVerdict::cut : RoomVerdict::accepted;
+  return is_cut(view, candidate.area, side_height * height.high, params) ? RoomVerdict::cut : RoomVerdict::accepted;
 }
 
 RoomShape shape_of(const PlaceView& view, const std::vector<Wall>& walls, const Candidate& candidate, const Coverage& coverage,

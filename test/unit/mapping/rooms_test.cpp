@@ -159,6 +159,19 @@ TEST(Rooms, ATableDoesNotCut) {
   EXPECT_NEAR(found.room->area.size.x(), 8, 1e-12);
 }
 
+// A desk and a cabinet in line make one plane across the room, but not one as high as its walls.
+TEST(Rooms, WhatIsLowerThanTheWallsDoesNotCut) {
+  for (const double height : {1.2, 2.6}) {
+    Plan plan;
+    plan.box(0, 0, 8, 6);
+    plan.add({5, 0}, {5, 6});
+    for (Wall& wall : plan.walls) wall.height = 2.8;
+    plan.walls.back().height = height;
+    const RoomSearch found = find_room(plan.walls, {2, 3}, 0, params);
+    EXPECT_EQ(found.room && found.room->area.size.x() > 7.9, height < 2) << height;
+  }
+}
+
 TEST(Rooms, AnObliqueWallThroughTheInsideCuts) {
   Plan plan;
   plan.box(0, 0, 6, 6);
