@@ -10,8 +10,7 @@ namespace {
 constexpr std::size_t known_better = 5;  // times as many views
 constexpr double returned_path = 20.0;   // seeing a plane again after this way closes a loop [m]
 
-Matrix6 floored(const Keyframe& keyframe, const FactorParams& params) {
-  Matrix6 covariance = keyframe.covariance;
+Matrix6 floored(Matrix6 covariance, const Keyframe& keyframe, const FactorParams& params) {
   const double angle = params.keyframe_floor_angle;
   const double distance = params.keyframe_floor_distance;
   covariance.diagonal().head<3>().array() += angle * angle;
@@ -102,18 +101,19 @@ bool add_keyframe(MapState& state, const Keyframe& keyframe) {
   };
   if (!finite(keyframe.T_odom_base) || !keyframe.covariance.allFinite()) return refuse("not finite");
   if (!keyframe.id.valid() || (!state.keyframes.empty() && !(state.newest() < keyframe.id))) return refuse("not newer than the last");
-  const Matrix6 covariance = floored(keyframe, state.params.factors);
+  const Pose claimed = state.keyframes.empty() ? Pose{} : state.keyframes.rbegin()->second.T_odom_base.inverse() * keyframe.T_odom_base;
+  const KeyframeMotion motion = state.submap.add(keyframe, {claimed, keyframe.covariance});
+  const Matrix6 covariance = floored(motion.covariance, keyframe, state.params.factors);
   Transaction edit;
   edit.reason = "keyframe/" + std::to_string(keyframe.id.value);
   if (state.keyframes.empty()) {
     edit.keyframes[keyframe.id] = state.T_map_odom * keyframe.T_odom_base;
   } else {
     const Keyframe& last = state.keyframes.rbegin()->second;
-    const Pose motion = last.T_odom_base.inverse() * keyframe.T_odom_base;
-    edit.keyframes[keyframe.id] = *state.graph.find(last.id) * motion;
+    edit.keyframes[keyframe.id] = *state.graph.find(last.id) * motion.T_last_now;
     Vector6 tiny;
     tiny << Eigen::Vector3d::Constant(1e-6), Eigen::Vector3d::Constant(1e-6);
-    add_factor(edit, Se3Between{last.id, keyframe.id, motion, SqrtInformation<6>::from_covariance(covariance, tiny), Se3Between::Source::odometry});
+    add_factor(edit, Se3Between{last.id, keyframe.id, motion.T_last_now, SqrtInformation<6>::from_covariance(covariance, tiny), Se3Between::Source::odometry});
   }
   if (!commit(state, edit).ok()) return false;
   state.drift.add(keyframe.id, keyframe.T_odom_base, covariance);

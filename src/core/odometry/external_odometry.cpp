@@ -11,6 +11,17 @@ namespace {
 constexpr double history = 5.0;    // [s] of samples kept
 constexpr double tolerance = 0.1;  // [s] beyond the newest sample that its motion is believed to go on
 
+// What a pose's error has that neither grows with the way nor goes away: tilt and height, of which wheels know nothing. Heading and position drift:
+// their covariance tells little of one step, so the keyframe's comes from the way.
+Matrix6 lasting_error(const Matrix6& covariance) {
+  constexpr double tilt = 0.01;    // at least [rad]
+  constexpr double height = 0.01;  // [m]
+  Matrix6 lasting = Matrix6::Zero();
+  for (const int axis : {0, 1}) lasting(axis, axis) = std::max(covariance(axis, axis), tilt * tilt);
+  lasting(5, 5) = std::max(covariance(5, 5), height * height);
+  return lasting;
+}
+
 }  // namespace
 
 void ExternalOdometry::add(const OdometrySample& sample) {
@@ -48,9 +59,7 @@ MotionOutput ExternalOdometry::process(const CloudPtr& scan) {
   output.live.twist = se3_log(samples_[i].T_odom_base.inverse() * samples_[i + 1].T_odom_base) / (samples_[i + 1].stamp - samples_[i].stamp);
   output.live.status = OdometryStatus::external;
   output.deskewed = deskew(*scan, 0, lidar);
-  // The covariance of such a source grows with the way and tells little of one step: the keyframe's comes from its own drift terms and the back end's
-  // floors.
-  output.finals.push_back({scan->stamp, T_odom_base, Matrix6::Zero(), {}, output.deskewed});
+  output.finals.push_back({scan->stamp, T_odom_base, lasting_error(samples_[i].covariance), {}, output.deskewed});
   return output;
 }
 

@@ -7,17 +7,12 @@
 #include "sgraph_slam/core/util/voxel_set.hpp"
 
 namespace sgraph {
-namespace {
-
-// What a local map's slow drift adds to the motion between two keyframes, a metre travelled.
-constexpr double drift_rotation = 0.0005;    // [rad/m]
-constexpr double drift_translation = 0.003;  // [m/m]
-
-}  // namespace
-
 std::optional<Keyframe> KeyframeSelector::add(const FinalScan& scan) {
   const Pose* last = !scans_.empty() ? &scans_.back().T_odom_base : previous_ ? &previous_->T_odom_base : nullptr;
-  if (last != nullptr) path_ += (scan.T_odom_base.translation - last->translation).norm();
+  if (last != nullptr) {
+    path_ += (scan.T_odom_base.translation - last->translation).norm();
+    turned_ += rotation_angle(last->rotation, scan.T_odom_base.rotation);
+  }
   scans_.push_back(scan);
   if (!previous_) return close();
   const double distance = (scan.T_odom_base.translation - previous_->T_odom_base.translation).norm();
@@ -48,12 +43,13 @@ Keyframe KeyframeSelector::close() {
     const Matrix6 move = se3_adjoint(scan.T_odom_base.inverse() * previous_->T_odom_base);
     keyframe.covariance += move * previous_->covariance * move.transpose();
   }
-  keyframe.covariance.diagonal().head<3>().array() += std::pow(drift_rotation * path_, 2);
-  keyframe.covariance.diagonal().tail<3>().array() += std::pow(drift_translation * path_, 2);
+  keyframe.covariance.diagonal().head<3>().array() += std::pow(drift_.rotation * path_, 2) + std::pow(drift_.turning * turned_, 2);
+  keyframe.covariance.diagonal().tail<3>().array() += std::pow(drift_.translation * path_, 2);
   previous_ = scan;
   previous_->cloud.reset();
   scans_.clear();
   path_ = 0;
+  turned_ = 0;
   return keyframe;
 }
 

@@ -16,9 +16,19 @@ const char* to_string(ScanVerdict value) {
   return "no odometry at that time";
 }
 
+namespace {
+
+KeyframeParams keyframe_params(const OdometryParams& params) {
+  KeyframeParams keyframe = params.keyframe;
+  if (keyframe.cloud == "auto") keyframe.cloud = params.source == "topic" ? "scan" : "scans";
+  return keyframe;
+}
+
+}  // namespace
+
 class Odometry::Implementation {
  public:
-  Implementation(const OdometryParams& params, const Pose& T_base_lidar) : keyframes_(params.keyframe, T_base_lidar) {
+  Implementation(const OdometryParams& params, const Pose& T_base_lidar) : keyframes_(keyframe_params(params), T_base_lidar, params.source == "topic" ? reckoning_drift : map_drift) {
     if (params.source == "topic") {
       source_ = std::make_unique<ExternalOdometry>(T_base_lidar);
     } else {

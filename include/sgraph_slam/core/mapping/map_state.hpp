@@ -11,6 +11,7 @@
 #include "sgraph_slam/core/mapping/params.hpp"
 #include "sgraph_slam/core/mapping/plane_map.hpp"
 #include "sgraph_slam/core/mapping/plane_uncertainty.hpp"
+#include "sgraph_slam/core/mapping/submap.hpp"
 #include "sgraph_slam/core/mapping/topological_layer.hpp"
 #include "sgraph_slam/core/types/odometry.hpp"
 #include "sgraph_slam/core/types/scene.hpp"
@@ -19,12 +20,13 @@ namespace sgraph {
 
 /// All that the back end knows; the functions of its steps work on it. Copied by nobody.
 struct MapState {
-  MapState(const MappingParams& p, const Pose& extrinsic) : params(p), T_base_lidar(extrinsic), planes(p.semantics), layer(p) {}
+  MapState(const MappingParams& p, const Pose& extrinsic) : params(p), T_base_lidar(extrinsic), planes(p.semantics), submap(p.submap, extrinsic), layer(p) {}
 
   MappingParams params;
   Pose T_base_lidar;
   Graph graph;
   PlaneMap planes;
+  Submap submap;
   OdometryDrift drift;
   MarginalsCache marginals;
   std::map<KeyframeId, Keyframe> keyframes;

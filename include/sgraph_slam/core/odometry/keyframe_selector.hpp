@@ -18,10 +18,21 @@ struct FinalScan {
   CloudPtr cloud;                        ///< LiDAR frame, motion taken out
 };
 
+/// What an odometry adds to the uncertainty of a motion by the way that it takes; standard deviations.
+struct Drift {
+  double rotation;     ///< [rad/m]
+  double turning;      ///< [rad/rad]
+  double translation;  ///< [m/m]
+};
+
+constexpr Drift map_drift{0.0005, 0, 0.003};        ///< of a pose held by a local map
+constexpr Drift reckoning_drift{0.005, 0.02, 0.03};  ///< of wheels or legs: scale, heading and slips, which hardly average out
+
 /// Decides by motion and time which scans become keyframes and gives every scan to exactly one.
 class KeyframeSelector {
  public:
-  KeyframeSelector(const KeyframeParams& params, const Pose& T_base_lidar) : params_(params), T_base_lidar_(T_base_lidar) {}
+  KeyframeSelector(const KeyframeParams& params, const Pose& T_base_lidar, const Drift& drift = map_drift)
+      : params_(params), T_base_lidar_(T_base_lidar), drift_(drift) {}
 
   /// Takes the next final scan; returns the keyframe that it closes, if any. The first scan is always one.
   std::optional<Keyframe> add(const FinalScan& scan);
@@ -35,10 +46,12 @@ class KeyframeSelector {
 
   KeyframeParams params_;
   Pose T_base_lidar_;
+  Drift drift_;
   std::int64_t next_id_ = 0;
   std::optional<FinalScan> previous_;  // the last keyframe's scan
   std::vector<FinalScan> scans_;       // since then
   double path_ = 0;                    // travelled since then [m]
+  double turned_ = 0;                  // [rad]
 };
 
 }  // namespace sgraph

@@ -11,15 +11,16 @@ struct KeyframeParams {
   double distance = 0.75;
   double angle = 0.5;
   double time = 0.0;
-  std::string cloud = "scans";
+  std::string cloud = "auto";
   double leaf = 0.05;
 
   void describe(ParamVisitor& v) {
     v.field("distance", distance, "m", {0.01, 100}, "A keyframe is closed when the robot has moved this far since the last.");
     v.field("angle", angle, "rad", {0.01, 6.3}, "... or turned this far.");
     v.field("time", time, "s", {0, 3600}, "... or when this long has passed; 0: never by time.");
-    v.choice("cloud", cloud, {"scan", "scans"},
-             "A keyframe's cloud: its own scan, or all scans since the last keyframe put together with their final poses.");
+    v.choice("cloud", cloud, {"auto", "scan", "scans"},
+             "A keyframe's cloud: its own scan, or all scans since the last keyframe put together with their final poses. auto: scans with LiDAR "
+             "odometry; its own with the robot's, which knows too little of the tilt to put scans together.");
     v.field("leaf", leaf, "m", {0, 1}, "Voxels of which one point each is kept when scans are put together; 0: all points.");
   }
 };
