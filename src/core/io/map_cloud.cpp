@@ -2,7 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <unordered_set>
+#include <unordered_map>
+#include <vector>
 
 #include "sgraph_slam/core/math/outline_area.hpp"
 
@@ -11,20 +12,78 @@ namespace {
 
 bool finite(const Point& p) { return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z); }
 
-// 21 bits an axis: told apart up to a million leaves from the origin.
-std::uint64_t voxel_of(const Eigen::Vector3d& p, double leaf) {
-  const auto axis = [leaf](double value) {
-    return static_cast<std::uint64_t>(static_cast<std::int64_t>(std::floor(value / leaf)) + (1 << 20)) & ((1U << 21) - 1);
+// A voxel with a smaller share of the points that a neighbour holds is the outer rim of that neighbour's noise, not a surface of its own.
+constexpr double least_share = 0.1;
+
+/// The mean of the points in each voxel, in the order in which the voxels were met.
+class VoxelMeans {
+ public:
+  explicit VoxelMeans(double leaf) : leaf_(leaf) {}
+
+  void add(const Eigen::Vector3d& p, const Point& point) {
+    const auto [at, is_new] = index_.try_emplace(key_of(p), voxels_.size());
+    if (is_new) voxels_.push_back({at->first, point});
+    Voxel& voxel = voxels_[at->second];
+    voxel.sum += p;
+    voxel.intensity += point.intensity;
+    ++voxel.count;
+  }
+
+  [[nodiscard]] std::vector<Point> points() const {
+    std::vector<Point> result;
+    result.reserve(voxels_.size());
+    for (const Voxel& voxel : voxels_) {
+      if (voxel.count < least_share * fullest_neighbour(voxel.key)) continue;
+      Point point = voxel.first;
+      point.set_position((voxel.sum / voxel.count).cast<float>());
+      point.intensity = static_cast<float>(voxel.intensity / voxel.count);
+      result.push_back(point);
+    }
+    return result;
+  }
+
+ private:
+  struct Voxel {
+    std::uint64_t key = 0;
+    Point first;
+    Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+    double intensity = 0;
+    int count = 0;
   };
-  return axis(p.x()) << 42 | axis(p.y()) << 21 | axis(p.z());
-}
+
+  static constexpr int bits = 21;  // an axis: told apart up to a million leaves from the origin
+
+  [[nodiscard]] std::uint64_t key_of(const Eigen::Vector3d& p) const {
+    const auto axis = [this](double value) {
+      return static_cast<std::uint64_t>(static_cast<std::int64_t>(std::floor(value / leaf_)) + (1 << (bits - 1))) & ((1U << bits) - 1);
+    };
+    return axis(p.x()) << (2 * bits) | axis(p.y()) << bits | axis(p.z());
+  }
+
+  // Of the six that share a side: whatever way a surface lies, the noise across it enters through one of them.
+  [[nodiscard]] int fullest_neighbour(std::uint64_t key) const {
+    int most = 0;
+    for (const int axis : {0, 1, 2}) {
+      const std::uint64_t step = std::uint64_t{1} << (axis * bits);
+      for (const std::uint64_t neighbour : {key + step, key - step}) {
+        const auto at = index_.find(neighbour);
+        if (at != index_.end()) most = std::max(most, voxels_[at->second].count);
+      }
+    }
+    return most;
+  }
+
+  double leaf_;
+  std::unordered_map<std::uint64_t, std::size_t> index_;
+  std::vector<Voxel> voxels_;
+};
 
 }  // namespace
 
 Cloud map_cloud(const GraphSnapshot& snapshot, const Pose& T_base_lidar, double leaf) {
   Cloud map;
   map.frame = snapshot.frame;
-  std::unordered_set<std::uint64_t> taken;
+  VoxelMeans voxels(leaf);
   for (const auto& [id, keyframe] : snapshot.keyframes) {
     if (!keyframe.cloud) continue;
     const Pose T_map_lidar = keyframe.T_map_base * T_base_lidar;
@@ -33,15 +92,17 @@ Cloud map_cloud(const GraphSnapshot& snapshot, const Pose& T_base_lidar, double 
     for (const Point& point : keyframe.cloud->points) {
       if (!finite(point)) continue;
       const Eigen::Vector3d p = rotation * point.position().cast<double>() + T_map_lidar.translation;
-      if (leaf > 0 && !taken.insert(voxel_of(p, leaf)).second) continue;
       Point moved = point;
-      moved.x = static_cast<float>(p.x());
-      moved.y = static_cast<float>(p.y());
-      moved.z = static_cast<float>(p.z());
       moved.time = 0;
-      map.points.push_back(moved);
+      if (leaf > 0) {
+        voxels.add(p, moved);
+      } else {
+        moved.set_position(p.cast<float>());
+        map.points.push_back(moved);
+      }
     }
   }
+  if (leaf > 0) map.points = voxels.points();
   return map;
 }
 

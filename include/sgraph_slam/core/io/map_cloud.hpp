@@ -7,8 +7,8 @@
 
 namespace sgraph {
 
-/// The keyframes' clouds where the graph has them: map frame, one point a voxel of edge `leaf` [m] (the first one seen; 0: all). Points that are
-/// not finite are left out. Times are 0.
+/// The keyframes' clouds where the graph has them, in the map frame: the mean of the points in each voxel of edge `leaf` [m]; 0: all points. Voxels
+/// beside a surface that hold only its outer noise are left out, as are points that are not finite. Times are 0.
 Cloud map_cloud(const GraphSnapshot& snapshot, const Pose& T_base_lidar, double leaf);
 
 /// A cloud as the bytes of a binary PCD file (x y z intensity, float32).

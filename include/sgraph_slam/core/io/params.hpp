@@ -11,7 +11,7 @@ struct OutputParams {
   double grid_high = 1.8;
 
   void describe(ParamVisitor& v) {
-    v.field("cloud_leaf", cloud_leaf, "m", {0, 10}, "Edge of the voxels of which the map cloud keeps one point each; 0: all points.");
+    v.field("cloud_leaf", cloud_leaf, "m", {0, 10}, "Edge of the voxels of which the map cloud holds the mean point each; 0: all points.");
     v.field("grid_resolution", grid_resolution, "m", {0.01, 1}, "Edge of a cell of the occupancy grid.");
     v.field("grid_low", grid_low, "m", {0, 10}, "What is lower above the floor is no obstacle in the occupancy grid.");
     v.field("grid_high", grid_high, "m", {0.1, 100}, "What is higher above the floor is no obstacle in the occupancy grid.");

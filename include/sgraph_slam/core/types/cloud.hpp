@@ -21,6 +21,7 @@ struct Point {
   std::uint16_t ring = 0;  ///< beam number, counted from the lowest; 0 when unknown
 
   [[nodiscard]] Eigen::Vector3f position() const { return {x, y, z}; }
+  void set_position(const Eigen::Vector3f& p) { x = p.x(), y = p.y(), z = p.z(); }
 };
 
 /// Where the LiDAR was, in the cloud's frame, at `time` seconds from the cloud's stamp.
