@@ -8,6 +8,7 @@
 #include "sgraph_slam/core/math/se3.hpp"
 #include "sgraph_slam/core/math/so3.hpp"
 #include "sgraph_slam/core/odometry/thinning.hpp"
+#include "sgraph_slam/core/registration/vertical.hpp"
 
 namespace sgraph {
 namespace {
@@ -17,18 +18,23 @@ constexpr double default_step = 0.05;     // [s] between knots before any motion
 constexpr double least_noise = 0.015;     // [m] of a residual: range noise and what the map doesn't know
 constexpr int longest_distrust = 20;      // scans after which even what the map doesn't explain goes into it
 constexpr double long_gap = 0.3;          // [s] after which a motion predicted from the last one means little
-constexpr double poor_share = 0.7;        // of the usual share of matches: below it other starts are tried
+constexpr double poor_share = 0.7;        // of the usual share of matches: below it other starts are tried,
+constexpr double poor_after_gap = 0.9;    // and below this one after a gap
 constexpr double clearly_better = 1.1;    // support that another start must have
-constexpr int widest_turn = 9;            // ... up to this many steps to either side
-constexpr double turn_step = 0.1;         // [rad]
+constexpr double searched_turn = 1.5;     // [rad/s] ... turned by up to this rate since the last scan that was understood to either side,
+constexpr int fewest_turns = 9;           // at least this many
+constexpr int most_turns = 31;            // and at most this many
+constexpr double turn_step = 0.1;         // [rad] of these
 constexpr double far_rotation = 0.1;      // [rad], and
 constexpr double far_translation = 0.15;  // [m]: corrections of the prediction that ask for better support
+constexpr double usual_change = 15.0;     // a correction's ratio to the change of velocity a step that it speaks of
 constexpr double fastest_turn = 4.0;      // [rad/s], and
 constexpr double fastest_way = 3.0;       // [m/s]: motions, and changes of the motion, beyond which a result is not believed
 constexpr double step_up = 0.15;          // [m] of height, and
 constexpr double tilt_at_once = 0.15;     // [rad] of tilt that anything may change by between two scans, and
 constexpr double fastest_climb = 0.5;     // [m/s], and
-constexpr double fastest_tilt = 1.0;      // [rad/s]: what robots and people add to that as time goes by
+constexpr double fastest_tilt = 1.0;      // [rad/s]: what robots and people add to that as time goes by,
+constexpr double widest_tilt = 0.4;       // [rad] at most
 constexpr double far_share = 0.3;         // of the usual share of matches
 constexpr int longest_blindness = 5;      // scans without registration over which the motion is believed to go on
 constexpr double covariance_scale = 9.0;  // points on one surface share its errors: their residuals are not independent
@@ -63,11 +69,12 @@ Pose LidarOdometry::predicted(double time, bool gap) const {
   const Knot& last = knots_.back();
   Pose pose = pose_at(knots_, time);
   if (gap) {
-    // The last short segment says too little of the velocity: the last whole scan's is taken.
-    const auto segments = std::min<std::size_t>(knots_.size() - 1, static_cast<std::size_t>(params_.motion.segments));
-    const Knot& earlier = knots_[knots_.size() - 1 - segments];
-    const Vector6 motion = se3_log(earlier.pose.inverse() * last.pose) / (last.time - earlier.time);
-    pose = levelled(last.pose, last.pose * se3_exp(motion * (time - last.time)));
+    // What the last scan itself shows of the velocity is too little for so long: that since the scan before is taken.
+    pose = last.pose;
+    if (untrusted_ == 0 && before_trusted_) {
+      const Vector6 motion = se3_log(before_trusted_->pose.inverse() * trusted_.pose) / (trusted_.time - before_trusted_->time);
+      pose = levelled(last.pose, last.pose * se3_exp(motion * (time - last.time)), up());
+    }
     if (const auto way = sensors_.way(stamp_at(last.time), stamp_at(time))) pose = last.pose * *way;
   }
   if (const auto turn = sensors_.turn(stamp_at(last.time), stamp_at(time))) pose.rotation = (last.pose.rotation * *turn).normalized();
@@ -111,6 +118,18 @@ std::vector<Keypoint> LidarOdometry::keypoints_in_window() const {
   return all;
 }
 
+std::vector<Matrix6> LidarOdometry::held_in_window() const {
+  std::vector<Matrix6> held(knots_.size() - 1, Matrix6::Identity());
+  for (const WindowScan& scan : window_) {
+    for (std::size_t i = 0; i + 1 < knots_.size(); ++i) {
+      const double middle = 0.5 * (knots_[i].time + knots_[i + 1].time);
+      if (scan.begin < scan.end ? scan.begin < middle && middle < scan.end : knots_[i].time < scan.end && scan.end <= knots_[i + 1].time)
+        held[i] = scan.held;
+    }
+  }
+  return held;
+}
+
 RigidAlignmentResult LidarOdometry::align(const WindowScan& scan) const {
   const std::vector<SegmentMotion> motions = segment_motions(knots_);
   std::vector<SeenPoint> points;
@@ -127,7 +146,8 @@ RigidAlignmentResult LidarOdometry::align(const WindowScan& scan) const {
   options.kernel_end = std::max(0.1, 4.0 * noise());
   RigidAlignmentResult best = align_rigidly(map_, points, options);
   const bool far_ahead = scan.end - last_end_ > long_gap;
-  if (!far_ahead && best.inlier_share >= poor_share * usual_share_) return best;
+  const bool as_usual = best.inlier_share >= (far_ahead ? poor_after_gap : poor_share) * usual_share_;
+  if (as_usual && (usual_share_ > 0 || !far_ahead)) return best;
   // The prediction was far off (a scan after a gap, a jerk): look around for a better start with few of the points, and align all of them from the
   // best.
   std::vector<SeenPoint> few;
@@ -154,22 +174,27 @@ RigidAlignmentResult LidarOdometry::align(const WindowScan& scan) const {
 bool LidarOdometry::plausible(const WindowScan& scan, const RigidAlignmentResult& alignment, const Pose& now) const {
   const double blind = scan.end - trusted_.time;
   const Pose& before = trusted_.pose;
-  const Eigen::Vector3d up = now.rotation * (before.rotation.conjugate() * Eigen::Vector3d::UnitZ());
-  const double tilt = std::acos(std::clamp(up.z(), -1.0, 1.0));
+  const Eigen::Vector3d turned = now.rotation * (before.rotation.conjugate() * up());
+  const double tilt = std::acos(std::clamp(turned.dot(up()), -1.0, 1.0));
+  const double most_tilt = std::min(tilt_at_once + fastest_tilt * blind, widest_tilt);
   const Eigen::Vector3d way = now.translation - before.translation;
   return alignment.rotation < far_rotation + fastest_turn * blind && alignment.translation < far_translation + fastest_way * blind &&
-         way.norm() < far_translation + fastest_way * blind && tilt < tilt_at_once + fastest_tilt * blind &&
-         std::abs(way.z()) < step_up + fastest_climb * blind;
+         way.norm() < far_translation + fastest_way * blind && tilt < most_tilt && std::abs(way.dot(up())) < step_up + fastest_climb * blind;
 }
 
-// Corrections of the prediction to try: the predicted motion or none since the last scan, each turned to the left and right.
+// Corrections of the prediction to try: the predicted motion or none since the last scan, each turned to the left and right, upright by the walls and
+// floors of the scan itself.
 std::vector<Pose> LidarOdometry::other_starts(const WindowScan& scan) const {
   const Pose predicted = pose_at(knots_, scan.end);
   const Pose held = pose_at(knots_, last_end_);
+  const int steps = std::clamp(static_cast<int>(std::ceil(searched_turn * (scan.end - trusted_.time) / turn_step)), fewest_turns, most_turns);
+  SurfaceMap own(params_.map);
+  insert(own, *deskew(*scan.cloud, scan.time, knots_), pose_at(knots_, scan.time));
+  const Eigen::Quaterniond upright = Eigen::Quaterniond::FromTwoVectors(vertical_of(own, up()).value_or(up()), up());
   std::vector<Pose> starts;
   for (const Pose& base : {predicted, held}) {
-    for (int i = -widest_turn; i <= widest_turn; ++i) {
-      const Pose turned{base.rotation * so3_exp({0, 0, i * turn_step}), base.translation};
+    for (int i = -steps; i <= steps; ++i) {
+      const Pose turned{so3_exp(i * turn_step * up()) * upright * base.rotation, base.translation};
       starts.push_back(turned * predicted.inverse());
     }
   }
@@ -187,16 +212,16 @@ std::vector<SegmentMeasurement> LidarOdometry::measurements() const {
 }
 
 WindowResult LidarOdometry::solve(const RigidAlignmentResult& alignment) {
-  // The newest scan's knots start from the rigid alignment; where it moved far, the velocity has changed and the prior must let it.
-  const double factor =
-      std::max({1.0, alignment.rotation / (15 * params_.motion.rotation_sigma), alignment.translation / (15 * params_.motion.translation_sigma)});
+  // The newest scan's knots start from the rigid alignment; where it moved far, the velocity has changed that way and the prior must let it.
+  const VelocityPrior prior{params_.motion.rotation_sigma, params_.motion.translation_sigma, so3_log(alignment.correction.rotation) / usual_change,
+                            alignment.moved / usual_change};
   const double from = moving_known_ ? last_end_ : knots_[static_cast<std::size_t>(first_free_) - 1].time;
   for (std::size_t i = static_cast<std::size_t>(first_free_) - 1; i < knots_.size(); ++i) {
     if (knots_[i].time < from - 1e-9) continue;
     if (knots_[i].time > from + 1e-9 && static_cast<int>(i) >= first_free_) knots_[i].pose = alignment.correction * knots_[i].pose;
-    prior_[i] = {factor * params_.motion.rotation_sigma, factor * params_.motion.translation_sigma};
+    prior_[i] = prior;
   }
-  WindowProblem problem{knots_, first_free_, prior_, keypoints_in_window(), measurements()};
+  WindowProblem problem{knots_, first_free_, prior_, keypoints_in_window(), held_in_window(), measurements()};
   WindowOptions options;
   options.iterations = params_.motion.iterations;
   options.noise = noise();
@@ -215,6 +240,7 @@ void LidarOdometry::bootstrap(const WindowScan& second) {
     insert_now(first);
     window_ = {second};
     const RigidAlignmentResult alignment = align(second);
+    window_.back().held = alignment.held;
     solve(alignment);
     // The first scan's knots on the motion found since, through the pose at its stamp.
     const std::size_t n = knots_.size();
@@ -230,17 +256,18 @@ void LidarOdometry::bootstrap(const WindowScan& second) {
   insert_now(first);
   window_ = {first};
   window_.front().enters_map = false;  // it has
+  vertical_ = vertical_of(map_, up());
   moving_known_ = true;
 }
 
-void LidarOdometry::insert_now(const WindowScan& scan) { insert(*deskew(*scan.cloud, scan.time, knots_), pose_at(knots_, scan.time)); }
+void LidarOdometry::insert_now(const WindowScan& scan) { insert(map_, *deskew(*scan.cloud, scan.time, knots_), pose_at(knots_, scan.time)); }
 
-void LidarOdometry::insert(const Cloud& deskewed, const Pose& T_odom_lidar) {
+void LidarOdometry::insert(SurfaceMap& map, const Cloud& deskewed, const Pose& T_odom_lidar) const {
   const Eigen::Matrix3d rotation = T_odom_lidar.matrix();
   for (const Point& point : thinned(deskewed.points, params_.map_leaf)) {
-    map_.insert(rotation * point.position().cast<double>() + T_odom_lidar.translation, T_odom_lidar.translation);
+    map.insert(rotation * point.position().cast<double>() + T_odom_lidar.translation, T_odom_lidar.translation);
   }
-  map_.update();
+  map.update();
 }
 
 // The oldest scan's pose is as good as it will get: it goes into the map.
@@ -254,7 +281,8 @@ FinalScan LidarOdometry::leave_window() {
   final.covariance = scan.covariance;
   final.degenerate = scan.degenerate;
   final.cloud = deskew(*scan.cloud, scan.time, knots_);
-  if (scan.enters_map) insert(*final.cloud, T_odom_lidar);
+  if (scan.enters_map) insert(map_, *final.cloud, T_odom_lidar);
+  if (!vertical_) vertical_ = vertical_of(map_, up());
   if (scan.enters_map && last_final_)
     sensors_.learn(stamp_at(last_final_->time), stamp_at(scan.time), last_final_->pose.rotation.conjugate() * T_odom_lidar.rotation);
   last_final_ = Knot{scan.time, T_odom_lidar};
@@ -275,9 +303,10 @@ void LidarOdometry::judge(WindowScan& scan, const WindowResult& solved, const Ri
   const bool far = alignment.rotation > far_rotation || alignment.translation > far_translation;
   const double needed = std::max(params_.motion.min_inliers, far ? far_share * usual_share_ : 0.0);
   if (solved.inlier_share >= needed && plausible(scan, alignment, pose_at(knots_, scan.end))) {
+    before_trusted_ = trusted_;
     trusted_ = {scan.end, pose_at(knots_, scan.end)};
     untrusted_ = 0;
-    usual_share_ += 0.2 * (solved.inlier_share - usual_share_);
+    usual_share_ += (usual_share_ > 0 ? 0.2 : 1.0) * (solved.inlier_share - usual_share_);
     return;
   }
   // A short blindness is bridged by the prediction; a longer one, or one after a gap, must not run away.
@@ -293,7 +322,7 @@ void LidarOdometry::judge(WindowScan& scan, const WindowResult& solved, const Ri
 }
 
 // How well the newest scan's pose is known, and in which directions it isn't.
-void LidarOdometry::rate(WindowScan& newest, const WindowResult& solved) const {
+void LidarOdometry::rate(WindowScan& newest, const WindowResult& solved, const std::vector<Vector6>& free_directions) const {
   const auto size = solved.information.rows();
   if (size < 6) return;
   // The newest knot's covariance, from odom's axes about the sensor into the base's.
@@ -306,11 +335,7 @@ void LidarOdometry::rate(WindowScan& newest, const WindowResult& solved) const {
   to_base.bottomRightCorner<3, 3>() = r;
   to_base.bottomLeftCorner<3, 3>() = -r * skew(base.translation - knots_.back().pose.translation);
   newest.covariance = to_base * block * to_base.transpose();
-  Matrix6 about_sensor = Matrix6::Zero();
-  for (Eigen::Index k = 0; k < size; k += 6) {
-    for (Eigen::Index j = 0; j < size; j += 6) about_sensor += solved.data_information.block<6, 6>(k, j);
-  }
-  for (const Vector6& d : weak_directions(about_sensor, 5.0, 0.02)) newest.degenerate.push_back((to_base * d).normalized());
+  for (const Vector6& d : free_directions) newest.degenerate.push_back((to_base * d).normalized());
 }
 
 OdometryEstimate LidarOdometry::live_estimate(const WindowScan& scan, const WindowResult& solved) const {
@@ -355,15 +380,20 @@ MotionOutput LidarOdometry::process(const CloudPtr& cloud) {
       output.verdict = ScanVerdict::not_later;
       return output;
     }
+    // Across a gap the motion says nothing of the scan before: it is as good as it will get, and the map is the better for it.
+    const bool gap = scan.begin - last_end_ > long_gap;
+    while (moving_known_ && gap && !window_.empty()) output.finals.push_back(leave_window());
     extend_knots(scan);
     if (!moving_known_) bootstrap(scan);
+    while (gap && !window_.empty()) output.finals.push_back(leave_window());
     const Knots predicted = knots_;
     const RigidAlignmentResult alignment = align(scan);
     window_.push_back(scan);
+    window_.back().held = alignment.held;
     solved = solve(alignment);
     WindowScan& newest = window_.back();
     judge(newest, solved, alignment, predicted);
-    rate(newest, solved);
+    rate(newest, solved, alignment.free_directions);
     scan = newest;
   }
   output.live = live_estimate(scan, solved);

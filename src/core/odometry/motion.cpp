@@ -50,9 +50,10 @@ Pose pose_at(const Knots& knots, double time) {
   return interpolate(knots[i].pose, knots[i + 1].pose, at.fraction);
 }
 
-Pose levelled(const Pose& from, const Pose& to) {
+Pose levelled(const Pose& from, const Pose& to, const Eigen::Vector3d& up) {
   const Eigen::Vector3d turn = so3_log(to.rotation * from.rotation.conjugate());
-  return {so3_exp({0, 0, turn.z()}) * from.rotation, {to.translation.x(), to.translation.y(), from.translation.z()}};
+  const Eigen::Vector3d climb = up.dot(to.translation - from.translation) * up;
+  return {so3_exp(up.dot(turn) * up) * from.rotation, to.translation - climb};
 }
 
 CloudPtr deskew(const Cloud& cloud, double stamp_time, const Knots& knots) {

@@ -31,9 +31,16 @@ struct Linearisation {
   int last_scan = 0;   // its keypoints
   double squares = 0;  // of the inliers
   MatrixXd h;
-  MatrixXd h_data;
   VectorXd b;
 };
+
+// Inverse square root of the covariance sigma^2 I + d d^T.
+Eigen::Matrix3d whitening(double sigma, const Vector3d& d) {
+  const double squared = d.squaredNorm();
+  if (squared < 1e-24) return Eigen::Matrix3d::Identity() / sigma;
+  const double less = 1.0 - sigma / std::sqrt(sigma * sigma + squared);
+  return (Eigen::Matrix3d::Identity() - (less / squared) * d * d.transpose()) / sigma;
+}
 
 class Problem {
  public:
@@ -47,7 +54,6 @@ class Problem {
     l.h = MatrixXd::Zero(size, size);
     l.b = VectorXd::Zero(size);
     add_points(knots, kernel, l);
-    l.h_data = l.h;
     add_prior(knots, l);
     add_measurements(knots, l);
     return l;
@@ -93,7 +99,15 @@ class Problem {
       s.ur[0] += (before * w * r) * u;
       s.ur[1] += (after * w * r) * u;
     }
-    for (std::size_t i = 0; i < sums.size(); ++i) add_segment(static_cast<int>(i), sums[i], l);
+    for (std::size_t i = 0; i < sums.size(); ++i) {
+      if (i < problem_.held.size()) project(problem_.held[i], sums[i]);
+      add_segment(static_cast<int>(i), sums[i], l);
+    }
+  }
+
+  static void project(const Matrix6& held, SegmentSums& s) {
+    for (Matrix6& uu : s.uu) uu = (held.transpose() * uu * held).eval();
+    for (Vector6& ur : s.ur) ur = (held.transpose() * ur).eval();
   }
 
   void add_segment(int segment, const SegmentSums& s, Linearisation& l) const {
@@ -135,13 +149,12 @@ class Problem {
       jacobian.block<3, 3>(3, 9).diagonal().setConstant(-c1 - c2);
       jacobian.block<3, 3>(3, 15).diagonal().setConstant(c2);
       Vector6 e;
-      e << turn, way;
-      const double wr = 1.0 / (problem_.prior[i].rotation_sigma * growth);
-      const double wt = 1.0 / (problem_.prior[i].translation_sigma * growth);
-      jacobian.topRows<3>() *= wr;
-      jacobian.bottomRows<3>() *= wt;
-      e.head<3>() *= wr;
-      e.tail<3>() *= wt;
+      const VelocityPrior& prior = problem_.prior[i];
+      const Eigen::Matrix3d wr = whitening(prior.rotation_sigma, to_here * prior.turned) / growth;
+      const Eigen::Matrix3d wt = whitening(prior.translation_sigma, prior.moved) / growth;
+      jacobian.topRows<3>() = (wr * jacobian.topRows<3>()).eval();
+      jacobian.bottomRows<3>() = (wt * jacobian.bottomRows<3>()).eval();
+      e << wr * turn, wt * way;
       l.cost += e.squaredNorm();
       add_residual<3>(j - 1, jacobian, jacobian, e, l);
     }
@@ -248,7 +261,6 @@ WindowResult solve_window(const SurfaceMap& map, WindowProblem& problem, const W
   result.inlier_share = at.last_scan > 0 ? static_cast<double>(at.inliers) / at.last_scan : 0;
   result.residual_rms = at.inliers > 0 ? std::sqrt(at.squares / at.inliers) : 0;
   result.information = at.h;
-  result.data_information = at.h_data;
   return result;
 }
 

@@ -65,6 +65,7 @@ RunReport make_report(const Run& run, const RunInfo& info) {
     } else if (run.until() >= Stage::odometry) {
       ++report.odometry_status[to_string(record.odometry.status)];
       ++report.accepted;
+      report.degenerate += !record.odometry.degenerate.empty();
     }
   }
   const GraphSnapshotPtr snapshot = run.snapshot();
@@ -104,6 +105,7 @@ std::string report_json(const RunReport& report) {
                      {"counts",
                       {{"scans", report.scans},
                        {"accepted", report.accepted},
+                       {"degenerate", report.degenerate},
                        {"keyframes", report.keyframes},
                        {"planes", report.planes},
                        {"rooms", report.rooms},
@@ -128,6 +130,7 @@ std::string report_table(const RunReport& report) {
   text << format("%d scans over %.1f s, %.1f m\n", report.scans, report.data_seconds, report.path_length);
   if (!report.dropped.empty()) text << "scans dropped: " << listed(report.dropped) << '\n';
   if (!report.odometry_status.empty()) text << "odometry: " << listed(report.odometry_status) << '\n';
+  if (report.degenerate > 0) text << format("%d scans didn't hold every direction of motion\n", report.degenerate);
   if (!report.solves.empty()) {
     text << format("map: %d keyframes, %d planes, %d rooms, %d corridors, %zu solves\n", report.keyframes, report.planes, report.rooms,
                    report.corridors, report.solves.size());

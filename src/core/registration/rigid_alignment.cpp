@@ -13,8 +13,32 @@ namespace {
 
 using Eigen::Vector3d;
 
+// What normals that are off by `sigma` each on its own make of the information by chance, to be taken from it: a normal's part u = J n has the
+// expectation u u^T + sigma^2 J J^T when it is seen through such an error. Thousands of points on the sides of a bare corridor would hold the
+// direction along it otherwise.
+class ChanceInformation {
+ public:
+  void add(const Vector3d& arm, double weight) {
+    weight_ += weight;
+    first_ += weight * arm;
+    second_.noalias() += (weight * arm) * arm.transpose();
+  }
+
+  [[nodiscard]] Matrix6 of(double sigma) const {
+    Matrix6 jj;
+    jj << second_.trace() * Eigen::Matrix3d::Identity() - second_, skew(first_), skew(first_).transpose(), weight_ * Eigen::Matrix3d::Identity();
+    return sigma * sigma * jj;
+  }
+
+ private:
+  double weight_ = 0;
+  Vector3d first_ = Vector3d::Zero();
+  Eigen::Matrix3d second_ = Eigen::Matrix3d::Zero();
+};
+
 struct Step {
   Matrix6 h = Matrix6::Zero();
+  ChanceInformation chance;
   Vector6 b = Vector6::Zero();
   int inliers = 0;
   Eigen::Matrix3d normals = Eigen::Matrix3d::Zero();
@@ -44,6 +68,7 @@ Step linearise(const SurfaceMap& map, const std::vector<SeenPoint>& points, cons
     u << (p - center).cross(surface->normal), surface->normal;
     step.h.noalias() += w * u * u.transpose();
     step.b += (w * r) * u;
+    step.chance.add(p - center, w);
   }
   return step;
 }
@@ -86,17 +111,28 @@ RigidAlignmentResult align_rigidly(const SurfaceMap& map, const std::vector<Seen
   result.correction = options.start;
   center = result.correction * center;
 
-  for (int i = 0; i < options.iterations; ++i) {
+  // Looked at through a wide kernel, wrong matches hold every direction. At the end of the narrowing it is seen which directions are free: what the
+  // sensor has moved in them is undone, and the rest settles in two more steps.
+  constexpr int settling = 2;
+  for (int i = 0; i < options.iterations + settling; ++i) {
     const double along = options.iterations > 1 ? static_cast<double>(i) / (options.iterations - 1) : 1.0;
-    const double kernel = options.kernel_begin * std::pow(options.kernel_end / options.kernel_begin, along);
+    const double kernel = options.kernel_begin * std::pow(options.kernel_end / options.kernel_begin, std::min(1.0, along));
+    if (i == options.iterations) {
+      if (result.free_directions.empty()) break;
+      Vector6 moved;
+      moved << so3_log(result.correction.rotation), center - begin;
+      moved = (result.held * moved).eval();
+      const Eigen::Quaterniond turn = so3_exp(moved.head<3>());
+      center = begin + moved.tail<3>();
+      result.correction = {turn, center - turn * begin};
+    }
     const Step at = linearise(map, points, result.correction, center, kernel, options.noise, options.reach);
     result.inlier_share = static_cast<double>(at.inliers) / static_cast<double>(points.size());
     result.support = support_of(at.normals / static_cast<double>(points.size()));
-    Matrix6 held;
-    result.free_directions = weak_directions(at.h, options.arm, options.held_sigma, &held);
+    result.free_directions = weak_directions(at.h - at.chance.of(options.normal_sigma), options.arm, options.held_sigma, &result.held);
     Matrix6 h = at.h;
     h.diagonal().array() += 1e-6;  // the weak directions are projected away; this only keeps the solution finite
-    const Vector6 step = -held * h.ldlt().solve(at.b);
+    const Vector6 step = -result.held * h.ldlt().solve(at.b);
     if (!step.allFinite()) break;
     const Eigen::Quaterniond turn = so3_exp(step.head<3>());
     const Pose move{turn, center - turn * center + step.tail<3>()};
@@ -105,7 +141,8 @@ RigidAlignmentResult align_rigidly(const SurfaceMap& map, const std::vector<Seen
   }
   result.held_directions = 6 - static_cast<int>(result.free_directions.size());
   result.rotation = so3_log(result.correction.rotation).norm();
-  result.translation = (result.correction * begin - begin).norm();
+  result.moved = result.correction * begin - begin;
+  result.translation = result.moved.norm();
   return result;
 }
 

@@ -64,6 +64,16 @@ std::size_t SurfaceMap::voxel_count() const {
   return n;
 }
 
+std::vector<Surface> SurfaceMap::surfaces() const {
+  std::vector<Surface> all;
+  for (const Voxel& voxel : levels_.front().voxels) {
+    for (const Face& face : voxel.faces) {
+      if (face.flat) all.push_back(face.surface);
+    }
+  }
+  return all;
+}
+
 SurfaceMap::Face* SurfaceMap::face_for(Voxel& voxel, const Eigen::Vector3d& ray) const {
   Face& first = voxel.faces[0];
   if (!params_.two_faces || !first.flat) return &first;

@@ -8,6 +8,7 @@
 #include "sgraph_slam/core/math/so3.hpp"
 #include "sgraph_slam/core/prefilter/prefilter.hpp"
 #include "sgraph_slam/core/sim/simulator.hpp"
+#include "support/static_scan.hpp"
 #include "support/worst_error.hpp"
 
 namespace sgraph {
@@ -197,6 +198,48 @@ TEST(Odometry, BridgesScansThatTheMapCannotExplain) {
   EXPECT_EQ(run.estimates.back().status, OdometryStatus::tracked);
   EXPECT_LT(worst_error({run.live.begin(), run.live.begin() + 29}, scans.truth), 0.03);
   EXPECT_LT(worst_error(run.live, scans.truth), 0.2);
+}
+
+// Recordings thinned to save space, drivers that drop scans: half a second between sweeps of a tenth.
+TEST(Odometry, FollowsThroughGapsBetweenTheScans) {
+  const auto all = demo(300, {}, 40);
+  std::vector<CloudPtr> some;
+  Trajectory truth;
+  for (std::size_t i = 0; i < all.scans.size(); i += 5) {
+    some.push_back(all.scans[i]);
+    truth.push_back(all.truth[i]);
+  }
+  const Outcome run = run_odometry(some, all.T_base_lidar);
+  EXPECT_LT(worst_error(run.finals, truth), 0.12);
+  ASSERT_EQ(run.finals.size(), some.size());
+}
+
+TEST(Odometry, ReportsTheDirectionAlongABareCorridorAndKeepsTheOthers) {
+  sim::Scene scene(test::box({-90, -1.25, 0}, {90, 1.25, 2.6}));
+  const Prefilter prefilter({});
+  Odometry odometry({}, {});
+  Trajectory finals;
+  Trajectory truth;
+  int reported = 0;
+  for (int i = 0; i < 30; ++i) {
+    const Pose pose{so3_exp({0, 0, 0.02 * std::sin(0.3 * i)}), {0.05 * i, 0.1 * std::sin(0.2 * i), 1.2}};
+    auto scan = std::make_shared<Cloud>(test::static_scan(scene, pose, 0.02, static_cast<std::uint64_t>(i + 1)));
+    scan->stamp = scan->stamp.after(0.1 * i);
+    const OdometryOutput output = odometry.process(prefilter.process(*scan).cloud);
+    finals.insert(finals.end(), output.finals.begin(), output.finals.end());
+    truth.push_back({scan->stamp, pose});
+    for (const Vector6& direction : output.live.degenerate) reported += std::abs(direction[3]) > 0.95;
+  }
+  EXPECT_GT(reported, 25);
+  ASSERT_GT(finals.size(), 25U);
+  for (std::size_t i = 0; i < finals.size(); ++i) {
+    const Pose expected = truth.front().pose.inverse() * truth[i].pose;
+    const Pose off = expected.inverse() * finals[i].pose;
+    EXPECT_LT(std::abs(off.translation.y()), 0.03) << i;
+    EXPECT_LT(std::abs(off.translation.z()), 0.03) << i;
+    EXPECT_LT(so3_log(off.rotation).norm(), 0.01) << i;
+    EXPECT_LT(std::abs(finals[i].pose.translation.x()), 1.6) << "it doesn't slide away";
+  }
 }
 
 TEST(Odometry, InterpolatesTheRobotsOdometry) {

@@ -82,6 +82,22 @@ TEST(RigidAlignment, LeavesTheDirectionAlongACorridorToThePrediction) {
   EXPECT_GT(std::abs(result.free_directions[0][3]), 0.95);
 }
 
+// Plaster isn't flat: the Gaussians' normals are off by a degree or two, and thousands of points on them must not hold what no wall holds.
+TEST(RigidAlignment, UnevenWallsDoNotHoldTheDirectionAlongACorridor) {
+  const auto uneven = [](std::vector<Vector3d> points) {
+    for (Vector3d& p : points) p.y() += 0.012 * std::sin(2.1 * p.x() + 0.7 * p.z()) * (p.y() > 0 ? 1 : -0.8);
+    return points;
+  };
+  const SurfaceMap map = map_of(uneven(box(24, false, 4, 80000)));
+  const auto scan = uneven(box(20, false, 5, 8000));
+  const Pose moved{so3_exp({0, 0, 0.01}), Vector3d(0.3, 0.05, 0.02)};
+  const RigidAlignmentResult result = align_rigidly(map, seen(scan, moved), {});
+  ASSERT_EQ(result.free_directions.size(), 1U);
+  EXPECT_GT(std::abs(result.free_directions[0][3]), 0.95);
+  const Vector3d off = result.correction * (moved * sensor) - moved * sensor;
+  EXPECT_NEAR(off.x(), 0, 0.03) << "left to the prediction";
+}
+
 TEST(RigidAlignment, WithoutAMapNothingMoves) {
   const SurfaceMap map({});
   const RigidAlignmentResult result = align_rigidly(map, seen(box(6, true, 2, 500), {}), {});

@@ -33,6 +33,7 @@ class LidarOdometry : public MotionSource {
     bool enters_map = true;                // when it leaves the window
     Matrix6 covariance = Matrix6::Zero();  // of its pose, base frame
     std::vector<Vector6> degenerate;
+    Matrix6 held = Matrix6::Identity();  // projection of a knot's step onto the directions that its points hold
 
     // When a point was seen; one moment for all where the cloud has no times.
     [[nodiscard]] double time_of(const Point& point) const { return begin < end ? time + static_cast<double>(point.time) : time; }
@@ -49,13 +50,15 @@ class LidarOdometry : public MotionSource {
   [[nodiscard]] std::vector<Pose> other_starts(const WindowScan& scan) const;
   WindowResult solve(const RigidAlignmentResult& alignment);
   [[nodiscard]] std::vector<Keypoint> keypoints_in_window() const;
+  [[nodiscard]] std::vector<Matrix6> held_in_window() const;
   void judge(WindowScan& scan, const WindowResult& solved, const RigidAlignmentResult& alignment, const Knots& predicted);
-  void rate(WindowScan& newest, const WindowResult& solved) const;
+  void rate(WindowScan& newest, const WindowResult& solved, const std::vector<Vector6>& free_directions) const;
   [[nodiscard]] OdometryEstimate live_estimate(const WindowScan& scan, const WindowResult& solved) const;
   FinalScan leave_window();
-  void insert(const Cloud& deskewed, const Pose& T_odom_lidar);
+  void insert(SurfaceMap& map, const Cloud& deskewed, const Pose& T_odom_lidar) const;
   void insert_now(const WindowScan& scan);
   [[nodiscard]] double noise() const;
+  [[nodiscard]] Eigen::Vector3d up() const { return vertical_.value_or(Eigen::Vector3d::UnitZ()); }
   [[nodiscard]] Stamp stamp_at(double time) const { return origin_->after(time); }
 
   OdometryParams params_;
@@ -63,18 +66,20 @@ class LidarOdometry : public MotionSource {
   Pose T_lidar_base_;
   MotionSensors sensors_;
   SurfaceMap map_;
-  std::optional<Stamp> origin_;  // zero of the knots' time
+  std::optional<Eigen::Vector3d> vertical_;  // in odom, once floors and ceilings have told
+  std::optional<Stamp> origin_;              // zero of the knots' time
   Stamp last_stamp_;
-  Knots knots_;                       // of the scans in the window, and two before for the prior
-  int first_free_ = 1;                // knots before it are final
-  std::vector<VelocityPrior> prior_;  // a knot
-  std::vector<WindowScan> window_;    // the scans that are not final: up to two while a scan is processed
-  bool moving_known_ = false;         // the motion during the first scan has been found
-  int untrusted_ = 0;                 // scans in a row that the map didn't explain
-  double last_end_ = 0;               // of the scan before the newest
-  Knot trusted_;                      // at the end of the last scan that the map explained
-  std::optional<Knot> last_final_;    // at the stamp of the last final scan
-  double usual_share_ = 0;            // of points that match, over the last scans
+  Knots knots_;                         // of the scans in the window, and two before for the prior
+  int first_free_ = 1;                  // knots before it are final
+  std::vector<VelocityPrior> prior_;    // a knot
+  std::vector<WindowScan> window_;      // the scans that are not final: up to two while a scan is processed
+  bool moving_known_ = false;           // the motion during the first scan has been found
+  int untrusted_ = 0;                   // scans in a row that the map didn't explain
+  double last_end_ = 0;                 // of the scan before the newest
+  Knot trusted_;                        // at the end of the last scan that the map explained,
+  std::optional<Knot> before_trusted_;  // and of the one before
+  std::optional<Knot> last_final_;      // at the stamp of the last final scan
+  double usual_share_ = 0;              // of points that match, over the last scans
 };
 
 }  // namespace sgraph

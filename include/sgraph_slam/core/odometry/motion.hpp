@@ -55,8 +55,9 @@ SegmentTime locate(const Knots& knots, double time);
 /// Pose at `time`; outside the knots the last segment's motion goes on.
 Pose pose_at(const Knots& knots, double time);
 
-/// What goes on of a motion over a longer time, both in odom: the way in the plane and the turn about the vertical. Steps and sways don't.
-Pose levelled(const Pose& from, const Pose& to);
+/// What goes on of a motion over a longer time, both in odom: the way in the plane and the turn about the vertical `up` (unit). Steps and
+/// sways don't.
+Pose levelled(const Pose& from, const Pose& to, const Eigen::Vector3d& up);
 
 /// The cloud as seen from the sensor's pose at its stamp. `stamp_time`: the cloud's stamp in the knots' time. Point times become 0.
 CloudPtr deskew(const Cloud& cloud, double stamp_time, const Knots& knots);

@@ -19,8 +19,10 @@ struct Keypoint {
 
 /// How much the velocity may change from one segment to the next.
 struct VelocityPrior {
-  double rotation_sigma = 0;     ///< change of the rotation over a 50 ms step [rad]
-  double translation_sigma = 0;  ///< change of the way over a 50 ms step [m]
+  double rotation_sigma = 0;                         ///< change of the rotation over a 50 ms step [rad]
+  double translation_sigma = 0;                      ///< change of the way over a 50 ms step [m]
+  Eigen::Vector3d turned = Eigen::Vector3d::Zero();  ///< standard deviation along a direction, beside these [rad, odom's axes]
+  Eigen::Vector3d moved = Eigen::Vector3d::Zero();   ///< likewise of the way [m]
 };
 
 /// Another sensor's measurement of the motion along a segment.
@@ -34,6 +36,7 @@ struct WindowProblem {
   int first_free = 0;                ///< knots before this one are held
   std::vector<VelocityPrior> prior;  ///< a knot; held at the knots 1 .. size - 2, between the segments before and after
   std::vector<Keypoint> keypoints;
+  std::vector<Matrix6> held;  ///< a segment: projection of its knots' steps onto the directions that its points hold; the others are the prior's
   std::vector<SegmentMeasurement> measurements;
 };
 
@@ -50,8 +53,7 @@ struct WindowResult {
   double residual_rms = 0;  ///< of those [m]
   int iterations = 0;
   bool converged = false;
-  Eigen::MatrixXd information;       ///< of the free knots with the prior: (rotation, translation) a knot, left perturbation in odom
-  Eigen::MatrixXd data_information;  ///< the same from the points alone
+  Eigen::MatrixXd information;  ///< of the free knots with the prior: (rotation, translation) a knot, left perturbation in odom
 };
 
 /// Finds the knots' poses together from points on surfaces, other sensors' measurements of the motion and the prior on the change of velocity:

@@ -28,8 +28,9 @@ struct StageFigures {
 /// The figures of report.json.
 struct RunReport {
   RunInfo info;
-  int scans = 0;     ///< that reached the pipeline
-  int accepted = 0;  ///< by the odometry
+  int scans = 0;       ///< that reached the pipeline
+  int accepted = 0;    ///< by the odometry
+  int degenerate = 0;  ///< of these, scans that didn't hold every direction of motion
   std::map<std::string, int> dropped;
   int keyframes = 0;
   int planes = 0, rooms = 0, corridors = 0;

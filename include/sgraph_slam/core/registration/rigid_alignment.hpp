@@ -17,11 +17,12 @@ struct SeenPoint {
 
 struct RigidAlignmentOptions {
   int iterations = 6;
-  double kernel_begin = 0.5;  ///< scale of the robust kernel at the first step [m]
-  double kernel_end = 0.1;    ///< ... and at the last, geometrically between
-  double noise = 0.02;        ///< standard deviation of a residual [m]
-  double held_sigma = 0.02;   ///< only directions known better than this move [m, rotation counted at `arm`]
-  double arm = 5.0;           ///< [m]
+  double kernel_begin = 0.5;   ///< scale of the robust kernel at the first step [m]
+  double kernel_end = 0.1;     ///< ... and at the last, geometrically between
+  double noise = 0.02;         ///< standard deviation of a residual [m]
+  double held_sigma = 0.02;    ///< only directions known better than this move [m, rotation counted at `arm`]
+  double normal_sigma = 0.03;  ///< error of the map's normals that must not pass for information [rad]
+  double arm = 5.0;            ///< [m]
   Reach reach = Reach::wide;
   Pose start;  ///< correction to begin with
 };
@@ -31,8 +32,10 @@ struct RigidAlignmentResult {
   double inlier_share = 0;  ///< of the points within the last kernel
   double support = 0;       ///< the same weighed over directions: geometric mean of the eigenvalues of the inliers' sum of n n^T, a point
   double rotation = 0;      ///< size of the correction [rad]
-  double translation = 0;   ///< movement of the sensor [m]
-  int held_directions = 6;  ///< of 6, at the last step
+  double translation = 0;   ///< movement of the sensor [m],
+  Eigen::Vector3d moved = Eigen::Vector3d::Zero();  ///< in the map's axes
+  int held_directions = 6;                          ///< of 6, at the last step
+  Matrix6 held = Matrix6::Identity();    ///< projection of a step (rotation about the sensor, translation; map's axes) onto the held directions
   std::vector<Vector6> free_directions;  ///< unit directions (rotation, translation; map's axes about the sensor) that the data doesn't hold
 };
 

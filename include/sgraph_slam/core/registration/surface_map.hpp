@@ -69,6 +69,9 @@ class SurfaceMap {
   /// Typical standard deviation of points on their surface, over the map [m]: the sensor's noise as the data shows it. 0 while the map is empty.
   [[nodiscard]] double noise() const { return noise_; }
 
+  /// The flat surfaces in voxels of the edge `params.voxel`.
+  [[nodiscard]] std::vector<Surface> surfaces() const;
+
   [[nodiscard]] std::size_t voxel_count() const;
   [[nodiscard]] bool empty() const { return voxel_count() == 0; }
 
