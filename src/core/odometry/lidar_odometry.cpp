@@ -280,12 +280,14 @@ FinalScan LidarOdometry::leave_window() {
   final.T_odom_base = T_odom_lidar * T_lidar_base_;
   final.covariance = scan.covariance;
   final.degenerate = scan.degenerate;
+  final.explained = scan.explained;
   final.cloud = deskew(*scan.cloud, scan.time, knots_);
   if (scan.enters_map) insert(map_, *final.cloud, T_odom_lidar);
   if (!vertical_) vertical_ = vertical_of(map_, up());
-  if (scan.enters_map && last_final_)
-    sensors_.learn(stamp_at(last_final_->time), stamp_at(scan.time), last_final_->pose.rotation.conjugate() * T_odom_lidar.rotation);
-  last_final_ = Knot{scan.time, T_odom_lidar};
+  // A gyro is compared with motions between poses that are known, not with predictions.
+  if (scan.explained && last_explained_)
+    sensors_.learn(stamp_at(last_explained_->time), stamp_at(scan.time), last_explained_->pose.rotation.conjugate() * T_odom_lidar.rotation);
+  last_explained_ = scan.explained ? std::optional(Knot{scan.time, T_odom_lidar}) : std::nullopt;
   // Held from now on: the knots up to this scan's end. The one before stays for the prior, and those that a stamp at the begin of the next scan
   // needs.
   std::size_t end = 0;
@@ -318,6 +320,7 @@ void LidarOdometry::judge(WindowScan& scan, const WindowResult& solved, const Ri
     }
   }
   ++untrusted_;
+  scan.explained = false;
   scan.enters_map = untrusted_ > longest_distrust;
 }
 

@@ -57,6 +57,35 @@ TEST(KeyframeSelector, ClosesByAngleAndByTime) {
   EXPECT_EQ(closed, 3);
 }
 
+TEST(KeyframeSelector, PutsNoPointsOnTheMapFromPosesThatAreOnlyPredicted) {
+  for (const char* cloud : {"scan", "scans"}) {
+    KeyframeParams params;
+    params.cloud = cloud;
+    params.leaf = 0;
+    KeyframeSelector selector(params, {});
+    std::vector<Keyframe> keyframes;
+    for (int i = 0; i < 30; ++i) {
+      FinalScan scan = scan_at(i, 0.2 * i, 0);
+      scan.explained = i < 10 || i > 20;
+      if (!scan.explained) scan.T_odom_base.translation.y() = 3;  // carried away
+      if (auto keyframe = selector.add(scan)) keyframes.push_back(*keyframe);
+    }
+    FinalScan lost = scan_at(30, 6, 0);
+    lost.explained = false;
+    selector.add(lost);
+    if (auto keyframe = selector.finish()) keyframes.push_back(*keyframe);
+    std::size_t scans = 0;
+    for (const Keyframe& keyframe : keyframes) {
+      scans += keyframe.scans.size();
+      EXPECT_NEAR(keyframe.T_odom_base.translation.y(), 0, 1e-9);
+      for (const Point& p : keyframe.cloud->points)
+        EXPECT_LT((keyframe.T_odom_base * p.position().cast<double>() - Eigen::Vector3d(5, 0, 0)).norm(), 1e-4);
+    }
+    EXPECT_EQ(scans, 31U) << "each scan keeps its place on the trajectory";
+    EXPECT_LE(keyframes.back().cloud->size(), 1U);
+  }
+}
+
 TEST(KeyframeSelector, PutsScansTogetherInTheLastOnesFrame) {
   KeyframeParams params;
   params.leaf = 0.02;

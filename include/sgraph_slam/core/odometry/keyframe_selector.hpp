@@ -16,6 +16,7 @@ struct FinalScan {
   Matrix6 covariance = Matrix6::Zero();  ///< of the registration against the local map, base frame
   std::vector<Vector6> degenerate;       ///< directions that it didn't hold, base frame
   CloudPtr cloud;                        ///< LiDAR frame, motion taken out
+  bool explained = true;                 ///< false: the pose is only a prediction
 };
 
 /// What an odometry adds to the uncertainty of a motion by the way that it takes; standard deviations.
@@ -25,7 +26,7 @@ struct Drift {
   double translation;  ///< [m/m]
 };
 
-constexpr Drift map_drift{0.0005, 0, 0.003};        ///< of a pose held by a local map
+constexpr Drift map_drift{0.0005, 0, 0.003};         ///< of a pose held by a local map
 constexpr Drift reckoning_drift{0.005, 0.02, 0.03};  ///< of wheels or legs: scale, heading and slips, which hardly average out
 
 /// Decides by motion and time which scans become keyframes and gives every scan to exactly one.
@@ -34,7 +35,8 @@ class KeyframeSelector {
   KeyframeSelector(const KeyframeParams& params, const Pose& T_base_lidar, const Drift& drift = map_drift)
       : params_(params), T_base_lidar_(T_base_lidar), drift_(drift) {}
 
-  /// Takes the next final scan; returns the keyframe that it closes, if any. The first scan is always one.
+  /// Takes the next final scan; returns the keyframe that it closes, if any. The first scan is always one; a scan whose pose is only a prediction
+  /// closes none, and its points are in none.
   std::optional<Keyframe> add(const FinalScan& scan);
 
   /// Closes the last keyframe with the scans that are left, if any.

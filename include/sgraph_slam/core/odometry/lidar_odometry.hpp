@@ -30,6 +30,7 @@ class LidarOdometry : public MotionSource {
     double begin = 0;  // of its first and last point
     double end = 0;
     std::vector<Point> keypoints;
+    bool explained = true;                 // by the map: its pose is more than a prediction
     bool enters_map = true;                // when it leaves the window
     Matrix6 covariance = Matrix6::Zero();  // of its pose, base frame
     std::vector<Vector6> degenerate;
@@ -78,7 +79,7 @@ class LidarOdometry : public MotionSource {
   double last_end_ = 0;                 // of the scan before the newest
   Knot trusted_;                        // at the end of the last scan that the map explained,
   std::optional<Knot> before_trusted_;  // and of the one before
-  std::optional<Knot> last_final_;      // at the stamp of the last final scan
+  std::optional<Knot> last_explained_;  // at the stamp of the last final scan, if the map explained it
   double usual_share_ = 0;              // of points that match, over the last scans
 };
 
