@@ -54,6 +54,7 @@ void declare(CLI::App& app, Options& options) {
       ->check(CLI::IsMember({"prefilter", "odometry", "segmentation", "mapping"}));
   sim::LidarSettings& lidar = options.simulation.lidar;
   app.add_option("--noise", lidar.range_noise, "Standard deviation of the ranges [m]")->capture_default_str()->check(CLI::Range(0.0, 1.0));
+  app.add_option("--rate", lidar.rate, "Revolutions a second")->capture_default_str()->check(CLI::Range(5.0, 20.0));
   app.add_option("--seed", lidar.seed, "Seed of all random numbers")->capture_default_str();
   app.add_option("--stamp", options.stamp, "Which firing stamps a cloud")->capture_default_str()->check(CLI::IsMember({"first", "last"}));
   app.add_option("--duration", options.simulation.duration, "End after this long [s]")->check(CLI::PositiveNumber);
@@ -103,9 +104,13 @@ double map_world(bool quiet, sim::SimulatedSource& source, VariantSet& set) {
 }
 
 void write_simulation(const Options& options, const sim::SimulatedSource& source, double cpu) {
-  const nlohmann::ordered_json json{
-      {"world", options.world}, {"scans", source.scan_count()},          {"data_seconds", source.duration()},
-      {"cpu_seconds", cpu},     {"seed", options.simulation.lidar.seed}, {"noise_m", options.simulation.lidar.range_noise}};
+  const nlohmann::ordered_json json{{"world", options.world},
+                                    {"scans", source.scan_count()},
+                                    {"data_seconds", source.duration()},
+                                    {"cpu_seconds", cpu},
+                                    {"seed", options.simulation.lidar.seed},
+                                    {"noise_m", options.simulation.lidar.range_noise},
+                                    {"rate_hz", options.simulation.lidar.rate}};
   write_file(options.out + "/simulation.json", json.dump(1) + '\n');
 }
 

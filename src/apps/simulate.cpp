@@ -64,9 +64,8 @@ void run(Options& options) {
   Progress progress(source.scan_count(), isatty(STDERR_FILENO) != 0);
   const Clock::time_point begin = Clock::now();
   write_simulated_bag(source, options.out + "/data.bag", [&](int done) {
-    constexpr double scan_period = 0.1;  // [s]
     const double seconds = std::chrono::duration<double>(Clock::now() - begin).count();
-    if (!options.quiet) std::cerr << progress.after(done, scan_period * done, seconds) << std::flush;
+    if (!options.quiet) std::cerr << progress.after(done, done / settings.lidar.rate, seconds) << std::flush;
   });
   if (!options.quiet) std::cerr << progress.end();
 }
@@ -81,6 +80,7 @@ int main(int argc, char** argv) {
   app.add_option("--noise", options.settings.lidar.range_noise, "Standard deviation of the ranges [m]")
       ->capture_default_str()
       ->check(CLI::Range(0.0, 1.0));
+  app.add_option("--rate", options.settings.lidar.rate, "Revolutions a second")->capture_default_str()->check(CLI::Range(5.0, 20.0));
   app.add_option("--seed", options.settings.lidar.seed, "Seed of all random numbers")->capture_default_str();
   app.add_option("--stamp", options.stamp, "Which firing stamps a cloud")->capture_default_str()->check(CLI::IsMember({"first", "last"}));
   app.add_option("--duration", options.settings.duration, "End after this long [s]; 0: the whole route")

@@ -221,7 +221,7 @@ WindowResult LidarOdometry::solve(const RigidAlignmentResult& alignment) {
     if (knots_[i].time > from + 1e-9 && static_cast<int>(i) >= first_free_) knots_[i].pose = alignment.correction * knots_[i].pose;
     prior_[i] = prior;
   }
-  WindowProblem problem{knots_, first_free_, prior_, keypoints_in_window(), held_in_window(), measurements()};
+  WindowProblem problem{knots_, first_free_, prior_, keypoints_in_window(), held_in_window(), measurements(), up()};
   WindowOptions options;
   options.iterations = params_.motion.iterations;
   options.noise = noise();

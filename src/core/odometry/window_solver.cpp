@@ -16,6 +16,7 @@ using Eigen::Vector3d;
 using Eigen::VectorXd;
 
 constexpr double prior_step = 0.05;           // seconds that the prior's sigmas are given for
+constexpr double height_sigma = 0.01;          // [m] that the height changes by in such a step: robots and people stay on their floor
 constexpr double measurement_kernel2 = 36.0;  // squared standard deviations at which another sensor's say has fallen to a quarter
 
 // Sums over the points of one segment. Every Jacobian is (1 - a) u for the knot before and a u for the knot after, so three weighted sums of u u^T
@@ -55,6 +56,7 @@ class Problem {
     l.b = VectorXd::Zero(size);
     add_points(knots, kernel, l);
     add_prior(knots, l);
+    add_height(knots, l);
     add_measurements(knots, l);
     return l;
   }
@@ -157,6 +159,26 @@ class Problem {
       e << wr * turn, wt * way;
       l.cost += e.squaredNorm();
       add_residual<3>(j - 1, jacobian, jacobian, e, l);
+    }
+  }
+
+  void add_height(const Knots& knots, Linearisation& l) const {
+    for (int i = problem_.first_free - 1; i + 1 < static_cast<int>(knots.size()); ++i) {
+      const Knot& begin = knots[static_cast<std::size_t>(i)];
+      const Knot& end = knots[static_cast<std::size_t>(i) + 1];
+      const double weight = prior_step / (height_sigma * height_sigma * (end.time - begin.time));
+      const double climb = problem_.up.dot(end.pose.translation - begin.pose.translation);
+      l.cost += weight * climb * climb;
+      const Eigen::Matrix3d h = weight * problem_.up * problem_.up.transpose();
+      const Eigen::Index a = 6 * (i - problem_.first_free) + 3;
+      const Eigen::Index c = a + 6;
+      l.h.block<3, 3>(c, c) += h;
+      l.b.segment<3>(c) += weight * climb * problem_.up;
+      if (a < 0) continue;
+      l.h.block<3, 3>(a, a) += h;
+      l.h.block<3, 3>(a, c) -= h;
+      l.h.block<3, 3>(c, a) -= h;
+      l.b.segment<3>(a) -= weight * climb * problem_.up;
     }
   }
 

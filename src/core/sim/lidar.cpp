@@ -13,7 +13,7 @@ namespace vlp16 {
 
 double elevation(int ring) { return (-15.0 + 2.0 * ring) * M_PI / 180; }
 
-std::int64_t first_firing(int scan) { return static_cast<std::int64_t>(std::ceil(scan * revolution / firing_interval - 1e-9)); }
+std::int64_t first_firing(int scan, double rate) { return static_cast<std::int64_t>(std::ceil(scan / (rate * firing_interval) - 1e-9)); }
 
 }  // namespace vlp16
 
@@ -84,8 +84,8 @@ class Lidar::Implementation {
 
   Cloud scan(int number, double stamp_time) const {
     Cloud cloud;
-    const std::int64_t first = vlp16::first_firing(number);
-    const std::int64_t last = vlp16::first_firing(number + 1);
+    const std::int64_t first = vlp16::first_firing(number, settings_.rate);
+    const std::int64_t last = vlp16::first_firing(number + 1, settings_.rate);
     cloud.points.reserve(static_cast<std::size_t>(last - first) * vlp16::lasers);
     Frame begin = frame_at(settings_.motion_distortion ? static_cast<double>(first) * vlp16::firing_interval : stamp_time);
     for (std::int64_t firing = first; firing < last; ++firing) {
@@ -108,7 +108,7 @@ class Lidar::Implementation {
     for (std::size_t n = 0; n < vlp16::lasers; ++n) {
       const double offset = static_cast<double>(n) * vlp16::laser_interval;
       const double f = offset / vlp16::firing_interval;
-      const double turned = (time + offset) / vlp16::revolution;
+      const double turned = (time + offset) * settings_.rate;
       const double azimuth = -2 * M_PI * (turned - std::floor(turned));
       const Eigen::Vector2d& e = elevation_[static_cast<std::size_t>(vlp16::ring_of_laser[n])];
       const Eigen::Vector3d direction(e.x() * std::cos(azimuth), e.x() * std::sin(azimuth), e.y());
@@ -184,7 +184,7 @@ class Lidar::Implementation {
     if (range < settings_.min_range || range > settings_.max_range) return;
 
     const double time = static_cast<double>(firing) * vlp16::firing_interval + static_cast<double>(laser) * vlp16::laser_interval;
-    const double turned = time / vlp16::revolution;
+    const double turned = time * settings_.rate;
     const auto step = static_cast<std::size_t>(std::lround((turned - std::floor(turned)) * azimuth_steps)) % azimuth_steps;
     const int ring = vlp16::ring_of_laser[laser];
     const Eigen::Vector2d& e = elevation_[static_cast<std::size_t>(ring)];
@@ -224,12 +224,14 @@ Cloud Lidar::scan(int number) const {
 }
 
 double Lidar::end_of(int number) const {
-  return static_cast<double>(vlp16::first_firing(number + 1) - 1) * vlp16::firing_interval + (vlp16::lasers - 1) * vlp16::laser_interval;
+  return static_cast<double>(vlp16::first_firing(number + 1, settings_.rate) - 1) * vlp16::firing_interval +
+         (vlp16::lasers - 1) * vlp16::laser_interval;
 }
 
 double Lidar::time_of(int number) const {
-  const double time =
-      settings_.stamp == StampConvention::last ? end_of(number) : static_cast<double>(vlp16::first_firing(number)) * vlp16::firing_interval;
+  const double time = settings_.stamp == StampConvention::last
+                          ? end_of(number)
+                          : static_cast<double>(vlp16::first_firing(number, settings_.rate)) * vlp16::firing_interval;
   return std::round(time * 1e9) * 1e-9;  // as the stamp holds it
 }
 

@@ -14,7 +14,7 @@ double recorded(const Motion& motion, double wished) { return wished > 0 ? std::
 
 Motion motion_of(const World& world) { return {world.route, world.motion, world.storeys.at(world.route.storey).elevation}; }
 
-int scans_in(double duration) { return static_cast<int>(std::floor(duration / vlp16::revolution + 1e-9)); }
+int scans_in(double duration, double rate) { return static_cast<int>(std::floor(duration * rate + 1e-9)); }
 
 }  // namespace
 
@@ -27,7 +27,7 @@ SimulatedSource::SimulatedSource(const World& world, Motion motion, const Simula
       lidar_(
           world, [motion = motion_](double time) { return motion.pose_at(time); }, settings.lidar),
       duration_(recorded(motion_, settings.duration)),
-      scan_count_(scans_in(duration_)),
+      scan_count_(scans_in(duration_, settings.lidar.rate)),
       encoders_(simulate_encoders(motion_, duration_, settings.encoders, settings.lidar.seed, settings.lidar.start)),
       imu_(simulate_imu(motion_, duration_, settings.imu, settings.lidar.seed, settings.lidar.start)) {}
 
@@ -55,7 +55,7 @@ SimulatedScans simulate_scans(const World& world, int count, const LidarSettings
       world, [&motion](double time) { return motion.pose_at(time); }, settings);
   SimulatedScans result;
   result.T_base_lidar = world.T_base_lidar;
-  for (int k = first; k < std::min(first + count, scans_in(motion.duration())); ++k) {
+  for (int k = first; k < std::min(first + count, scans_in(motion.duration(), settings.rate)); ++k) {
     result.scans.push_back(std::make_shared<const Cloud>(lidar.scan(k)));
     result.truth.push_back({lidar.stamp_of(k), motion.pose_at(lidar.time_of(k))});
   }

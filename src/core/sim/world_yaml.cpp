@@ -110,7 +110,7 @@ void read_route(Fields& top, World& world, const StoreyFrames& frames) {
   Route& route = world.route;
   for (int i = 0; i < rounds; ++i) route.waypoints.insert(route.waypoints.end(), round.begin(), round.end());
   if (back && round.size() > 1) route.waypoints.push_back(round.front());
-  route.stand = fields.number("stand", 3.0, {0, 600});
+  route.stand = fields.number("stand", 3.0, {0, 3600});
   route.stand_end = fields.number("stand_end", 1.0, {0, 600});
   route.duration = fields.number("duration", 0, {0, 7200});
   fields.finish();

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <map>
 
 #include "sgraph_slam/core/math/se3.hpp"
@@ -112,6 +113,36 @@ TEST(Odometry, TakesTheRangeNoiseFromTheData) {
     EXPECT_LT(worst_error(run.finals, scans.truth), 0.02 + 0.75 * noise) << "the first scan, from which this is measured, has the noise too";
     EXPECT_GT(run.estimates.back().inlier_share, 0.4) << noise;
   }
+}
+
+TEST(Odometry, FollowsAtFiveAndTwentyHertz) {
+  for (const double rate : {5.0, 20.0}) {
+    sim::LidarSettings settings;
+    settings.rate = rate;
+    const auto scans = demo(static_cast<int>(8 * rate), settings, static_cast<int>(6 * rate));
+    ASSERT_NEAR(scans.scans[1]->stamp - scans.scans[0]->stamp, 1 / rate, 1e-3);
+    EXPECT_LT(worst_error(run_odometry(scans.scans, scans.T_base_lidar).finals, scans.truth), 0.04) << rate;
+  }
+}
+
+// A tilted sensor, a hall: for two seconds only walls are seen, so nothing says how high it is.
+TEST(Odometry, KeepsItsHeightWhileNeitherFloorNorCeilingIsInView) {
+  const auto scans = demo(110, {}, 100);
+  std::vector<CloudPtr> seen = scans.scans;
+  for (std::size_t i = 40; i < 60; ++i) {
+    const Pose T_world_lidar = scans.truth[i].pose * scans.T_base_lidar;
+    auto walls = std::make_shared<Cloud>(*seen[i]);
+    const auto level = [&](const Point& p) {
+      const double z = (T_world_lidar * p.position().cast<double>()).z();
+      return z < 0.15 || z > 2.45;
+    };
+    walls->points.erase(std::remove_if(walls->points.begin(), walls->points.end(), level), walls->points.end());
+    ASSERT_GT(seen[i]->size(), walls->size() + 1000);
+    seen[i] = walls;
+  }
+  const Outcome run = run_odometry(seen, scans.T_base_lidar);
+  EXPECT_LT(worst_error(run.finals, scans.truth), 0.05);
+  EXPECT_LT(worst_error({run.finals.begin() + 70, run.finals.end()}, {scans.truth.begin() + 70, scans.truth.end()}), 0.03);
 }
 
 TEST(Odometry, SameScansSameResult) {

@@ -38,6 +38,7 @@ struct WindowProblem {
   std::vector<Keypoint> keypoints;
   std::vector<Matrix6> held;  ///< a segment: projection of its knots' steps onto the directions that its points hold; the others are the prior's
   std::vector<SegmentMeasurement> measurements;
+  Eigen::Vector3d up = Eigen::Vector3d::UnitZ();  ///< in odom; a sway along it dies away where the points don't tell the height
 };
 
 struct WindowOptions {

@@ -18,7 +18,6 @@ namespace vlp16 {
 constexpr int lasers = 16;
 constexpr double laser_interval = 2.304e-6;    ///< from one laser to the next [s]
 constexpr double firing_interval = 55.296e-6;  ///< from one firing of all lasers to the next, with the pause for recharging [s]
-constexpr double revolution = 0.1;             ///< at 600 rpm [s]
 constexpr double range_step = 0.002;           ///< of the reported distance [m]
 constexpr double azimuth_step_deg = 0.01;      ///< of the reported azimuth
 /// Ring, counted from the lowest beam, of the n-th laser of a firing.
@@ -26,8 +25,8 @@ constexpr std::array<int, lasers> ring_of_laser{0, 8, 1, 9, 2, 10, 3, 11, 4, 12,
 
 /// Elevation of a ring: -15 to +15 degrees in steps of 2 [rad].
 double elevation(int ring);
-/// Number of the first firing of a revolution; firings are counted from the start of the recording.
-std::int64_t first_firing(int scan);
+/// Number of the first firing of a revolution at `rate` [Hz]; firings are counted from the start of the recording.
+std::int64_t first_firing(int scan, double rate);
 }  // namespace vlp16
 
 /// Which firing gives the cloud its stamp: the driver can be set to either.
@@ -35,6 +34,7 @@ enum class StampConvention { first, last };
 
 struct LidarSettings {
   double range_noise = 0.02;  ///< standard deviation [m]
+  double rate = 10;           ///< revolutions, so scans, a second; the sensor can be set to 5 .. 20 (300 .. 1200 rpm)
   double min_range = 0.4;     ///< [m]
   double max_range = 100.0;   ///< [m]
   /// Off: a whole scan is seen from the LiDAR's pose at its stamp, and its points carry time 0, as an already motion-compensated cloud does.
