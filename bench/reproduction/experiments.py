@@ -29,10 +29,14 @@ class Variant:
 
 
 class Experiment:
-    """Worlds and the variants run on each. `duration`: worlds of which only the beginning is used [s]."""
+    """Worlds and the variants run on each. `duration`: worlds of which only the beginning is used [s]. `simulations`: for a world, the ways in which it
+    is simulated, each with the options of run_world that it takes."""
 
-    def __init__(self, name, worlds, variants, duration=None):
-        self.name, self.worlds, self.variants, self.duration = name, worlds, variants, duration or {}
+    def __init__(self, name, worlds, variants, duration=None, simulations=None):
+        self.name, self.worlds, self.variants, self.duration, self.simulations = name, worlds, variants, duration or {}, simulations or {}
+
+    def simulations_of(self, world):
+        return self.simulations.get(world, {'': []})
 
     def variants_on(self, world):
         return [v for v in self.variants if not (v.settings.get('odometry.source') == 'topic' and world in NO_ROBOT)]
@@ -69,6 +73,12 @@ ODOMETRY = Experiment('odometry', ['se1', 'cf1', 'le1'], [
     motion('loose_prior', 'prior on the change of velocity five times looser', {'odometry.motion.rotation_sigma': 4.5e-3, 'odometry.motion.translation_sigma': 7.5e-3}),
 ], duration={'le1': 440})
 
+SEEDS = {f'seed_{i}': ['--seed', str(i)] for i in range(1, 21)}
+SENSORS = {'noise_1': ['--noise', '0.01'], 'noise_3': ['--noise', '0.03'], 'noise_4': ['--noise', '0.04'], 'rate_5': ['--rate', '5'],
+           'rate_20': ['--rate', '20'], 'first': ['--stamp', 'first']}
+ROBUSTNESS = Experiment('robustness', ['se1', 'fast_walker', 'standstill'], [motion('default', 'as shipped')],
+                        simulations={'se1': {**SEEDS, **SENSORS}, 'fast_walker': SEEDS})
+
 PLANES = Experiment('planes', ['se1', 'se2', 'cf1'], [
     Variant('scans_tangent', 'all scans since the last, fitted plane', NO_LAYER, {'odometry.keyframe.cloud': 'scans', 'mapping.factors.plane_factor': 'tangent'}),
     Variant('scans_points', 'all scans since the last, points', NO_LAYER, {'odometry.keyframe.cloud': 'scans', 'mapping.factors.plane_factor': 'points'}),
@@ -93,13 +103,13 @@ ODOMETRIES = [
 TOPOLOGY = Experiment('topology', ['se1', 'se2', 'cf1'], [
     Variant(f'{source}_{name}', label, settings, odometry) for source, _, odometry in ODOMETRIES for name, label, settings in MECHANISMS])
 
-EXPERIMENTS = {e.name: e for e in (MAPS, ODOMETRY, PLANES, TOPOLOGY)}
+EXPERIMENTS = {e.name: e for e in (MAPS, ODOMETRY, ROBUSTNESS, PLANES, TOPOLOGY)}
 
 
 def restricted(experiment, worlds, only=None):
     """The experiment on some of its worlds, with some of its variants."""
     variants = [v for v in experiment.variants if only is None or v.name in only]
-    return Experiment(experiment.name, [w for w in experiment.worlds if w in worlds], variants, experiment.duration)
+    return Experiment(experiment.name, [w for w in experiment.worlds if w in worlds], variants, experiment.duration, experiment.simulations)
 
 
 def world_file(root, world):

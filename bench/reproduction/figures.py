@@ -1,4 +1,5 @@
 """Single figures out of a run's evaluation.json and report.json, as text for a table's cell."""
+import math
 
 
 def statistics(values):
@@ -34,6 +35,18 @@ drift, live_drift = (drift_of(t) for t in ('trajectory', 'trajectory_live'))
 
 def ate_and_live_mm(evaluation, report):
     return f'{ate_mm(evaluation, report)} ({live_ate_mm(evaluation, report)})'
+
+
+def standing_drift(path, count=100):
+    """From the mean of the first poses of a trajectory file to that of the last: [m], [deg]. For one that stands: the mean of nearly equal quaternions is near enough."""
+    with open(path) as file:
+        poses = [[float(v) for v in line.split()[1:]] for line in file if line.strip() and not line.startswith('#')]
+
+    def mean(some):
+        return [sum(p[i] * (1 if p[6] > 0 else -1 if i > 2 else 1) for p in some) / len(some) for i in range(7)]
+    begin, end = mean(poses[:count]), mean(poses[-count:])
+    half = sum((a - b) ** 2 for a, b in zip(begin[3:], end[3:])) ** 0.5 / 2
+    return sum((a - b) ** 2 for a, b in zip(begin[:3], end[:3])) ** 0.5, math.degrees(4 * math.asin(min(1.0, half)))
 
 
 def length(evaluation, _):

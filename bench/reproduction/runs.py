@@ -26,11 +26,12 @@ def read_json(path):
 
 
 class Job:
-    """One world of one experiment: one process for all variants that have to be run."""
+    """One world of one experiment, simulated in one way: one process for all variants that have to be run."""
 
-    def __init__(self, experiment, world, folder, root):
-        self.experiment, self.world = experiment, world
-        self.folder = os.path.join(folder, experiment.name, world)
+    def __init__(self, experiment, world, simulation, folder, root):
+        self.experiment, self.world, self.simulation = experiment, world, simulation
+        self.options = experiment.simulations_of(world)[simulation]
+        self.folder = os.path.join(folder, experiment.name, world, simulation) if simulation else os.path.join(folder, experiment.name, world)
         self.duration = experiment.duration.get(world)
         self.variants = []
         self.share = 0.0  # done
@@ -39,7 +40,7 @@ class Job:
 
     @property
     def name(self):
-        return f'{self.experiment.name}/{self.world}'
+        return f'{self.experiment.name}/{self.world}' + (f'/{self.simulation}' if self.simulation else '')
 
     @property
     def cost(self):
@@ -125,7 +126,7 @@ class Runner:
     def key(self, job, variant):
         """Changes when the outcome may: programs, world, parameters."""
         world = self.digest_of([world_file(self.root, job.world)])
-        return '\n'.join([self.program_digest, world, str(job.duration), variant.argument, *self.assignments])
+        return '\n'.join([self.program_digest, world, str(job.duration), *job.options, variant.argument, *self.assignments])
 
     def is_done(self, job, variant):
         path = os.path.join(job.folder, variant.name, 'key')
@@ -142,10 +143,11 @@ class Runner:
                 if not os.path.exists(world_file(self.root, world)):
                     self.failures.append(f'{world}: there is no worlds/{world}.yaml')
                     continue
-                job = Job(experiment, world, self.folder, self.root)
-                job.variants = [v for v in experiment.variants_on(world) if not self.is_done(job, v) and self.is_possible(experiment, v)]
-                if job.variants:
-                    jobs.append(job)
+                for simulation in experiment.simulations_of(world):
+                    job = Job(experiment, world, simulation, self.folder, self.root)
+                    job.variants = [v for v in experiment.variants_on(world) if not self.is_done(job, v) and self.is_possible(experiment, v)]
+                    if job.variants:
+                        jobs.append(job)
         return sorted(jobs, key=lambda j: -j.cost)
 
     def lock_folder(self):
@@ -196,6 +198,7 @@ class Runner:
         shutil.rmtree(fresh, ignore_errors=True)
         command = [self.program('run_world'), world_file(self.root, job.world), '--out', fresh, '--threads', '1']
         command += ['--duration', str(job.duration)] if job.duration else []
+        command += job.options
         for assignment in self.assignments:
             command += ['--set', assignment]
         for variant in job.variants:
@@ -245,9 +248,9 @@ class Runner:
             if child.wait() != 0:
                 raise RuntimeError(f'{last or "no message"} (exit status {child.returncode}; see {path})')
 
-    def result(self, experiment, world, variant):
+    def result(self, experiment, world, variant, simulation):
         """(evaluation, report, commit) of a run that is up to date, or None."""
-        job = Job(experiment, world, self.folder, self.root) if os.path.exists(world_file(self.root, world)) else None
+        job = Job(experiment, world, simulation, self.folder, self.root) if os.path.exists(world_file(self.root, world)) else None
         if job is None or not self.is_done(job, variant):
             return None
         run = os.path.join(job.folder, variant.name)
@@ -257,6 +260,9 @@ class Runner:
 
     def picture(self, experiment, world, name):
         return os.path.join(self.folder, experiment.name, world, name, 'evaluation.png')
+
+    def trajectory(self, experiment, world, name):
+        return os.path.join(self.folder, experiment.name, world, name, 'trajectory.tum')
 
     def simulation(self, experiment, world):
         path = os.path.join(self.folder, experiment.name, world, 'simulation.json')
