@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <set>
 #include <tuple>
 
@@ -13,6 +14,7 @@ namespace {
 
 constexpr double least_common = 0.5;      // [m]
 constexpr double farthest = 0.1;          // [m]
+constexpr double nearer = 0.02;           // [m] by which another face must be nearer for a plane to be of that one only
 constexpr double reference_height = 1.2;  // above the wall's bottom, where distances are taken [m]
 const double steepest = std::sin(15 * M_PI / 180);
 const double largest_turn = 5 * M_PI / 180;
@@ -38,7 +40,8 @@ struct BlockSide {
 };
 
 struct Fit {
-  double common;  // [m]
+  double common;    // [m]
+  double distance;  // [m]
   std::size_t plane;
 };
 
@@ -85,10 +88,10 @@ bool on_blocks(const Placed& placed, const WallFace& face, Stretch common, const
   return length > 0.5 * common.length();
 }
 
-// Length of the stretch that plane and face have in common; 0 when the plane doesn't lie on the face.
-double common_stretch(const Placed& placed, const WallFace& face, const std::vector<BlockSide>& sides) {
+// What plane and face have in common; none when the plane doesn't lie on the face.
+std::optional<Fit> fit_of(const Placed& placed, const WallFace& face, const std::vector<BlockSide>& sides) {
   const Eigen::Vector3d normal(face.normal.x(), face.normal.y(), 0);
-  if (placed.outline.empty() || angle_between(placed.plane.normal, normal) > largest_turn) return 0;
+  if (placed.outline.empty() || angle_between(placed.plane.normal, normal) > largest_turn) return std::nullopt;
   double low = face.length();
   double high = 0;
   for (const Eigen::Vector2d& corner : placed.outline) {
@@ -98,8 +101,27 @@ double common_stretch(const Placed& placed, const WallFace& face, const std::vec
   }
   low = std::max(low, 0.0);
   high = std::min(high, face.length());
-  if (high - low < least_common || std::abs(distance_at(placed.plane, face, 0.5 * (low + high))) > farthest) return 0;
-  return on_blocks(placed, face, {low, high}, sides) ? 0 : high - low;
+  const double distance = std::abs(distance_at(placed.plane, face, 0.5 * (low + high)));
+  if (high - low < least_common || distance > farthest || on_blocks(placed, face, {low, high}, sides)) return std::nullopt;
+  return Fit{high - low, distance, 0};
+}
+
+// The planes on each face. Where walls of different thickness stand in one line, a plane along them is within reach of all their faces but lies on
+// the nearest.
+std::vector<std::vector<Fit>> fits_on(const std::vector<WallFace>& faces, const std::vector<Placed>& placed, const std::vector<BlockSide>& sides) {
+  std::vector<std::vector<Fit>> fits(faces.size());
+  for (std::size_t p = 0; p < placed.size(); ++p) {
+    std::vector<std::optional<Fit>> on_face;
+    double nearest = farthest;
+    for (const WallFace& face : faces) {
+      on_face.push_back(fit_of(placed[p], face, sides));
+      if (on_face.back()) nearest = std::min(nearest, on_face.back()->distance);
+    }
+    for (std::size_t f = 0; f < faces.size(); ++f) {
+      if (on_face[f] && on_face[f]->distance <= nearest + nearer) fits[f].push_back({on_face[f]->common, on_face[f]->distance, p});
+    }
+  }
+  return fits;
 }
 
 std::vector<Placed> vertical_planes(const std::vector<ScenePlane>& planes, const Pose& T_truth_map) {
@@ -139,12 +161,10 @@ WallScore score_walls(const std::vector<ScenePlane>& planes, const Pose& T_truth
   const std::vector<BlockSide> sides = sides_of(blocks);
   WallScore score;
   std::set<std::size_t> on_a_face;
+  std::vector<std::vector<Fit>> all_fits = fits_on(faces, placed, sides);
   for (std::size_t f = 0; f < faces.size(); ++f) {
-    std::vector<Fit> fits;
-    for (std::size_t p = 0; p < placed.size(); ++p) {
-      const double common = common_stretch(placed[p], faces[f], sides);
-      if (common > 0) fits.push_back({common, p}), on_a_face.insert(p);
-    }
+    std::vector<Fit>& fits = all_fits[f];
+    for (const Fit& fit : fits) on_a_face.insert(fit.plane);
     if (faces[f].seen_length <= seen_length) continue;
     ++score.faces;
     if (fits.empty()) {
@@ -165,7 +185,7 @@ WallScore score_walls(const std::vector<ScenePlane>& planes, const Pose& T_truth
   for (std::size_t p = 0; p < placed.size(); ++p) {
     if (on_a_face.count(p)) continue;
     const Placed turned{placed[p].id, {-placed[p].plane.normal, -placed[p].plane.d}, placed[p].outline, placed[p].low, placed[p].high};
-    const bool reversed = std::any_of(faces.begin(), faces.end(), [&](const WallFace& face) { return common_stretch(turned, face, {}) > 0; });
+    const bool reversed = std::any_of(faces.begin(), faces.end(), [&](const WallFace& face) { return fit_of(turned, face, {}).has_value(); });
     (reversed ? score.reversed_planes : score.other_planes).push_back(placed[p].id);
   }
   return score;

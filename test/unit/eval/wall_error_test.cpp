@@ -139,6 +139,20 @@ TEST(WallScore, CountsDuplicatesAndIgnoresFloors) {
   EXPECT_TRUE(score.other_planes.empty());
 }
 
+// One wall continued by a thinner one, faces 5 cm apart: the plane of each, seen as one long stretch, is no second plane of the other.
+TEST(WallScore, APlaneAlongWallsInOneLineLiesOnTheNearest) {
+  Plan plan;
+  plan.walls = {wall({0, 0}, {5, 0}), wall({5, 0}, {10, 0})};
+  plan.walls[1].thickness = 0.3;
+  const auto faces = wall_faces(plan, poses({{2.5, 2}, {7.5, 2}}));
+  const WallScore score = score_walls({plane_on(0, {0, 0.1}, {10, 0.1}, {0, 1}), plane_on(1, {0, 0.15}, {10, 0.15}, {0, 1})}, T_truth_map, faces);
+  ASSERT_EQ(score.matches.size(), 2u);
+  EXPECT_EQ(score.duplicates, 0);
+  for (const WallMatch& m : score.matches) EXPECT_NEAR(m.position_error, 0, 1e-6) << m.plane;
+  const WallScore doubled = score_walls({plane_on(0, {0, 0.1}, {10, 0.1}, {0, 1}), plane_on(1, {0, 0.11}, {5, 0.11}, {0, 1})}, T_truth_map, faces);
+  EXPECT_EQ(doubled.duplicates, 1);
+}
+
 // A shelf 1.8 m high whose back is 7 cm before the wall, over 2 m of it: the plane of its back is no second plane of the wall, a plane on the wall
 // behind it is, and so is one between the two that is mostly wall.
 TEST(WallScore, FurnitureBeforeAWallIsNoDuplicate) {
