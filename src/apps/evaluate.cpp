@@ -76,6 +76,8 @@ void measure_map(const Options& options, const Trajectory& truth, Evaluation& ev
   for (const StampedPose& s : truth) true_poses.push_back(s.pose);
   evaluation.faces = wall_faces(plan, true_poses, options.wall_range);
   evaluation.walls = score_walls(values_of(graph.planes), T_truth_map, evaluation.faces, plan.blocks);
+  evaluation.associations =
+      score_associations(associated_planes(graph), values_of(graph.planes), truth, T_truth_map, evaluation.faces, *evaluation.walls);
   evaluation.rooms = score_rooms(values_of(graph.rooms), T_truth_map, plan.rooms);
   evaluation.corridors = score_corridors(values_of(graph.corridors), T_truth_map, plan.corridors);
 }

@@ -102,6 +102,10 @@ json json_of(const WallScore& s, const std::vector<WallFace>& faces) {
           {"matches", matches}};
 }
 
+json json_of(const AssociationScore& s) {
+  return {{"observations", s.observations}, {"wrong_face", s.wrong_face}, {"split", s.split}, {"right_share", s.right_share()}};
+}
+
 }  // namespace
 
 std::string to_json(const Evaluation& e) {
@@ -112,6 +116,7 @@ std::string to_json(const Evaluation& e) {
   if (e.rooms) j["rooms"] = json_of(*e.rooms);
   if (e.corridors) j["corridors"] = json_of(*e.corridors);
   if (e.walls) j["walls"] = json_of(*e.walls, e.faces);
+  if (e.associations) j["associations"] = json_of(*e.associations);
   j["remarks"] = e.remarks;
   return j.dump(1) + "\n";
 }

@@ -79,6 +79,10 @@ std::string to_table(const Evaluation& e) {
   if (e.live_poses) add_trajectory(text, "live poses", *e.live_poses);
   if (e.map) add_map(text, *e.map, e.map_cap);
   if (e.walls) add_walls(text, *e.walls);
+  if (e.associations && e.associations->observations > 0) {
+    add_line(text, "  associations           %.2f %% of %d right; %d of another face, %d to a duplicate", 100 * e.associations->right_share(),
+             e.associations->observations, e.associations->wrong_face, e.associations->split);
+  }
   if (e.rooms) add_places(text, "rooms", *e.rooms);
   if (e.corridors) add_places(text, "corridors", *e.corridors);
   for (const std::string& remark : e.remarks) text += "note: " + remark + "\n";

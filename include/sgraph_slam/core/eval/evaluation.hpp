@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "sgraph_slam/core/eval/association_error.hpp"
 #include "sgraph_slam/core/eval/map_error.hpp"
 #include "sgraph_slam/core/eval/place_error.hpp"
 #include "sgraph_slam/core/eval/trajectory_error.hpp"
@@ -40,6 +41,7 @@ struct Evaluation {
   std::optional<PlaceScore> rooms;
   std::optional<PlaceScore> corridors;
   std::optional<WallScore> walls;
+  std::optional<AssociationScore> associations;
   std::vector<WallFace> faces;
   std::vector<std::string> remarks;
 };

@@ -1,0 +1,125 @@
+#include "sgraph_slam/core/eval/association_error.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <set>
+
+#include "sgraph_slam/core/math/se3.hpp"
+
+namespace sgraph {
+namespace {
+
+constexpr double same_plane = 0.005;  // [m] between faces that are one plane
+constexpr double farthest = 0.15;     // [m] of an observation from the face that it is of
+const double largest_turn = 5 * M_PI / 180;
+
+using FaceLine = std::size_t;  // index of the first face in one plane
+
+struct Lines {
+  std::vector<Plane> planes;  // truth frame; one a line
+  std::vector<FaceLine> of_face;
+};
+
+Plane plane_of(const WallFace& face) {
+  const Eigen::Vector3d normal(face.normal.x(), face.normal.y(), 0);
+  return {normal, -face.normal.dot(face.begin)};
+}
+
+Lines lines_of(const std::vector<WallFace>& faces) {
+  Lines lines;
+  for (const WallFace& face : faces) {
+    const Plane plane = plane_of(face);
+    const Eigen::Vector3d begin(face.begin.x(), face.begin.y(), 0);
+    const Eigen::Vector3d end(face.end.x(), face.end.y(), 0);
+    const auto same = std::find_if(lines.planes.begin(), lines.planes.end(), [&](const Plane& line) {
+      return line.normal.dot(plane.normal) > 0.999 && std::abs(line.distance(begin)) < same_plane && std::abs(line.distance(end)) < same_plane;
+    });
+    lines.of_face.push_back(static_cast<FaceLine>(same - lines.planes.begin()));
+    if (same == lines.planes.end()) lines.planes.push_back(plane);
+  }
+  return lines;
+}
+
+// The point of the mapped plane's outline (truth frame) that is nearest to `from`, on the observed plane.
+Eigen::Vector3d nearest_on(const std::vector<Eigen::Vector3d>& outline, const Plane& observed, const Eigen::Vector3d& from) {
+  const Eigen::Vector3d along = Eigen::Vector3d::UnitZ().cross(observed.normal).normalized();
+  double low = std::numeric_limits<double>::infinity();
+  double high = -low;
+  for (const Eigen::Vector3d& corner : outline) {
+    low = std::min(low, along.dot(corner));
+    high = std::max(high, along.dot(corner));
+  }
+  const Eigen::Vector3d foot = from - observed.distance(from) * observed.normal;
+  const double at = along.dot(foot);
+  return outline.empty() ? foot : Eigen::Vector3d(foot + (std::clamp(at, low, high) - at) * along);
+}
+
+std::optional<FaceLine> line_of(const Plane& observed, const Eigen::Vector3d& at, const Lines& lines) {
+  std::optional<FaceLine> best;
+  double nearest = farthest;
+  for (FaceLine i = 0; i < lines.planes.size(); ++i) {
+    if (std::acos(std::clamp(lines.planes[i].normal.dot(observed.normal), -1.0, 1.0)) > largest_turn) continue;
+    const double distance = std::abs(lines.planes[i].distance(at));
+    if (distance < nearest) nearest = distance, best = i;
+  }
+  return best;
+}
+
+}  // namespace
+
+std::vector<AssociatedPlane> associated_planes(const GraphSnapshot& snapshot) {
+  std::vector<AssociatedPlane> observations;
+  for (const auto& factor : nlohmann::json::parse(snapshot.factors_json)) {
+    if (factor.at("type") != "pose_plane") continue;
+    const auto keyframe = snapshot.keyframes.find({factor.at("keyframe").get<std::int64_t>()});
+    if (keyframe == snapshot.keyframes.end()) continue;
+    const auto m = factor.at("measured").get<std::vector<double>>();
+    const auto q = factor.at("base_lidar").get<std::vector<double>>();
+    const Pose T_base_lidar{Eigen::Quaterniond(q.at(6), q.at(3), q.at(4), q.at(5)), {q.at(0), q.at(1), q.at(2)}};
+    const Plane seen{{m.at(0), m.at(1), m.at(2)}, m.at(3)};
+    observations.push_back({keyframe->second.stamp, factor.at("plane").get<std::int64_t>(), T_base_lidar * seen});
+  }
+  return observations;
+}
+
+AssociationScore score_associations(const std::vector<AssociatedPlane>& observations, const std::vector<ScenePlane>& planes, const Trajectory& truth,
+                                    const Pose& T_truth_map, const std::vector<WallFace>& faces, const WallScore& walls) {
+  const Lines lines = lines_of(faces);
+  std::map<std::int64_t, std::vector<Eigen::Vector3d>> outlines;
+  for (const ScenePlane& plane : planes) {
+    for (const Eigen::Vector3d& corner : plane.extent) outlines[plane.id.value].push_back(T_truth_map * corner);
+  }
+  std::set<std::int64_t> main;
+  std::set<std::int64_t> duplicates;
+  for (const WallMatch& match : walls.matches) {
+    main.insert(match.plane);
+    duplicates.insert(match.more.begin(), match.more.end());
+  }
+  std::map<std::int64_t, std::map<FaceLine, int>> votes;
+  std::map<std::int64_t, int> counts;
+  for (const AssociatedPlane& o : observations) {
+    if (main.count(o.plane) == 0 && duplicates.count(o.plane) == 0) continue;
+    const Pose T_truth_base = pose_at(truth, o.stamp);
+    const Plane observed = T_truth_base * o.measured;
+    ++counts[o.plane];
+    const Eigen::Vector3d at = nearest_on(outlines[o.plane], observed, T_truth_base.translation);
+    if (const auto line = line_of(observed, at, lines)) ++votes[o.plane][*line];
+  }
+  AssociationScore score;
+  for (const auto& [plane, count] : counts) {
+    score.observations += count;
+    if (main.count(plane) == 0) {
+      score.split += count;
+      continue;
+    }
+    int most = 0;
+    for (const auto& [line, n] : votes[plane]) most = std::max(most, n);
+    score.wrong_face += count - most;
+  }
+  return score;
+}
+
+}  // namespace sgraph
