@@ -62,6 +62,7 @@ ODOMETRY = Experiment('odometry', ['se1', 'cf1', 'le1'], [
     motion('motion_scan', 'each scan alone, its begin held at the end of the last', {'odometry.motion.model': 'scan'}),
     motion('motion_velocity', 'deskewed with the last velocity, one pose a scan', LAST_VELOCITY),
     motion('motion_none', 'not deskewed, one pose a scan', {'odometry.motion.model': 'none'}),
+    motion('distribution', 'distribution to distribution (VGICP) instead of the distance along the normal', {'odometry.motion.residual': 'distribution'}),
     motion('one_face', 'one Gaussian a voxel: the faces of a wall not kept apart', {'odometry.map.two_faces': 'false'}),
     motion('one_segment', 'one piece of motion a scan', {'odometry.motion.segments': 1}),
     motion('three_segments', 'three pieces', {'odometry.motion.segments': 3}),

@@ -27,6 +27,7 @@ constexpr int most_turns = 31;            // and at most this many
 constexpr double turn_step = 0.1;         // [rad] of these
 constexpr double far_rotation = 0.1;      // [rad], and
 constexpr double far_translation = 0.15;  // [m]: corrections of the prediction that ask for better support
+constexpr double own_surface = 0.1;       // [m] of a point from the surface of its own scan that it lies on
 constexpr double usual_change = 15.0;     // a correction's ratio to the change of velocity a step that it speaks of
 constexpr double fastest_turn = 4.0;      // [rad/s], and
 constexpr double fastest_way = 3.0;       // [m/s]: motions, and changes of the motion, beyond which a result is not believed
@@ -61,6 +62,10 @@ LidarOdometry::WindowScan LidarOdometry::prepare(const CloudPtr& cloud) const {
   scan.end = scan.time + firing.end;
   if (scan.end - scan.begin < no_times) scan.begin = scan.end = scan.time;
   scan.keypoints = thinned(scan.cloud->points, params_.motion.keypoint_leaf);
+  if (params_.motion.residual == "distribution") {
+    scan.own = std::make_shared<SurfaceMap>(params_.map);
+    insert(*scan.own, *scan.cloud, {});
+  }
   return scan;
 }
 
@@ -110,7 +115,9 @@ std::vector<Keypoint> LidarOdometry::keypoints_in_window() const {
   for (const WindowScan& scan : window_) {
     for (const Point& point : scan.keypoints) {
       const SegmentTime at = locate(knots_, scan.time_of(point));
-      all.push_back({point.position().cast<double>(), at.segment, at.fraction});
+      const Eigen::Vector3d p = point.position().cast<double>();
+      const Surface* own = scan.own ? scan.own->match(p, Eigen::Vector3d::Zero(), own_surface) : nullptr;
+      all.push_back({p, own != nullptr ? own->normal : Eigen::Vector3d(Eigen::Vector3d::Zero()), at.segment, at.fraction});
     }
   }
   // The solver takes the newest segment from the last one.
@@ -223,6 +230,7 @@ WindowResult LidarOdometry::solve(const RigidAlignmentResult& alignment) {
   }
   WindowProblem problem{knots_, first_free_, prior_, keypoints_in_window(), held_in_window(), measurements(), up()};
   WindowOptions options;
+  options.distributions = params_.motion.residual == "distribution";
   options.iterations = params_.motion.iterations;
   options.noise = noise();
   options.kernel = std::max(params_.motion.kernel, 3.0 * map_.noise());

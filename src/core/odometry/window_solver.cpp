@@ -16,7 +16,7 @@ using Eigen::Vector3d;
 using Eigen::VectorXd;
 
 constexpr double prior_step = 0.05;           // seconds that the prior's sigmas are given for
-constexpr double height_sigma = 0.01;          // [m] that the height changes by in such a step: robots and people stay on their floor
+constexpr double height_sigma = 0.01;         // [m] that the height changes by in such a step: robots and people stay on their floor
 constexpr double measurement_kernel2 = 36.0;  // squared standard deviations at which another sensor's say has fallen to a quarter
 
 // Sums over the points of one segment. Every Jacobian is (1 - a) u for the knot before and a u for the knot after, so three weighted sums of u u^T
@@ -34,6 +34,14 @@ struct Linearisation {
   MatrixXd h;
   VectorXd b;
 };
+
+// Half the noise across a plane and `flatness` times its variance along it: the plane regularisation of VGICP.
+Eigen::Matrix3d flattened(const Vector3d& normal, double noise) {
+  constexpr double flatness = 1e3;
+  const double across = 0.5 * noise * noise;
+  const Eigen::Matrix3d nn = normal * normal.transpose();
+  return across * nn + flatness * across * (Eigen::Matrix3d::Identity() - nn);
+}
 
 // Inverse square root of the covariance sigma^2 I + d d^T.
 Eigen::Matrix3d whitening(double sigma, const Vector3d& d) {
@@ -62,6 +70,33 @@ class Problem {
   }
 
  private:
+  // A point's squared residual [m^2], half its derivative by a turn about the sensor and a shift, and J^T J.
+  struct PointTerm {
+    double squared;
+    Vector6 b;
+    Matrix6 h;
+  };
+
+  static PointTerm along_normal(const Surface& surface, const Vector3d& p, const Vector3d& arm) {
+    const double r = surface.normal.dot(p - surface.mean);
+    Vector6 u;
+    u << arm.cross(surface.normal), surface.normal;
+    return {r * r, r * u, u * u.transpose()};
+  }
+
+  // Mahalanobis distance of the point from the surface's mean, in units of the noise: with two parallel planes nearly what lies along the normal.
+  [[nodiscard]] PointTerm between_distributions(const Surface& surface, const Vector3d& p, const Vector3d& arm, const Vector3d& normal) const {
+    const double noise2 = options_.noise * options_.noise;
+    const Eigen::Matrix3d own =
+        normal.squaredNorm() > 0 ? flattened(normal, options_.noise) : Eigen::Matrix3d(0.5 * noise2 * Eigen::Matrix3d::Identity());
+    const Eigen::Matrix3d weight = noise2 * (flattened(surface.normal, options_.noise) + own).inverse();
+    Eigen::Matrix<double, 3, 6> jacobian;
+    jacobian << -skew(arm), Eigen::Matrix3d::Identity();
+    const Vector3d off = p - surface.mean;
+    const Eigen::Matrix<double, 6, 3> weighted = jacobian.transpose() * weight;
+    return {off.dot(weight * off), weighted * off, weighted * jacobian};
+  }
+
   void add_points(const Knots& knots, double kernel, Linearisation& l) const {
     const std::vector<SegmentMotion> motions = segment_motions(knots);
     std::vector<SegmentSums> sums(motions.size());
@@ -80,8 +115,9 @@ class Problem {
         l.cost += k2 * information;  // where Geman-McClure levels off: losing a match never pays
         continue;
       }
-      const double r = surface->normal.dot(p - surface->mean);
-      const double r2 = r * r;
+      const PointTerm term = options_.distributions ? between_distributions(*surface, p, arm, motion.rotate(point.fraction, point.normal))
+                                                    : along_normal(*surface, p, arm);
+      const double r2 = term.squared;
       const double share = k2 / (k2 + r2);
       l.cost += share * r2 * information;
       if (newest && r2 < k2) {
@@ -89,17 +125,15 @@ class Problem {
         l.squares += r2;
       }
       const double w = share * share * information;
-      Vector6 u;
-      u << arm.cross(surface->normal), surface->normal;
       const double before = 1.0 - point.fraction;
       const double after = point.fraction;
       SegmentSums& s = sums[static_cast<std::size_t>(point.segment)];
-      const Matrix6 uu = w * u * u.transpose();
+      const Matrix6 uu = w * term.h;
       s.uu[0] += before * before * uu;
       s.uu[1] += before * after * uu;
       s.uu[2] += after * after * uu;
-      s.ur[0] += (before * w * r) * u;
-      s.ur[1] += (after * w * r) * u;
+      s.ur[0] += (before * w) * term.b;
+      s.ur[1] += (after * w) * term.b;
     }
     for (std::size_t i = 0; i < sums.size(); ++i) {
       if (i < problem_.held.size()) project(problem_.held[i], sums[i]);

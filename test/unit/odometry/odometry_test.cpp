@@ -104,6 +104,13 @@ TEST(Odometry, TheMotionWithinTheScanIsWorthFinding) {
   for (const auto& [model, worst] : error) EXPECT_LT(worst, 0.5) << model << " is lost";
 }
 
+TEST(Odometry, FollowsWithTheResidualBetweenDistributions) {
+  const auto scans = demo(80, {}, 60);
+  OdometryParams params;
+  params.motion.residual = "distribution";
+  EXPECT_LT(worst_error(run_odometry(scans.scans, scans.T_base_lidar, params).finals, scans.truth), 0.03);
+}
+
 TEST(Odometry, TakesTheRangeNoiseFromTheData) {
   for (const double noise : {0.01, 0.04}) {
     sim::LidarSettings settings;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <memory>
 #include <optional>
 #include <vector>
 
@@ -30,6 +31,7 @@ class LidarOdometry : public MotionSource {
     double begin = 0;  // of its first and last point
     double end = 0;
     std::vector<Point> keypoints;
+    std::shared_ptr<SurfaceMap> own;       // of the scan alone, LiDAR frame; null when it isn't needed
     bool explained = true;                 // by the map: its pose is more than a prediction
     bool enters_map = true;                // when it leaves the window
     Matrix6 covariance = Matrix6::Zero();  // of its pose, base frame

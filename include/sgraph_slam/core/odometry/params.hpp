@@ -28,6 +28,7 @@ struct KeyframeParams {
 /// Motion within and between scans; design: odometry study, section 1.
 struct MotionParams {
   std::string model = "window";
+  std::string residual = "normal";
   int segments = 2;
   double rotation_sigma = 0.0009;
   double translation_sigma = 0.0015;
@@ -42,6 +43,9 @@ struct MotionParams {
         "How the motion within a scan is found. window: solved together with the last scan's; scan: solved for each scan alone, its begin held at "
         "the last one's end; velocity: taken out beforehand with the last scan's velocity, then one pose a scan; none: not at all. All but the "
         "first are less accurate and here for comparison.");
+    v.choice("residual", residual, {"normal", "distribution"},
+             "normal: a point's distance along its surface's normal; distribution: between the Gaussians of the surface and of the point's own "
+             "neighbourhood in the scan, both flattened to planes (VGICP), for comparison.");
     v.field("segments", segments, "", {1, 4}, "Pieces of constant velocity within a scan. More than two may each see one wall only.");
     v.field("rotation_sigma", rotation_sigma, "rad", {1e-6, 1},
             "Prior on the change of velocity: of the rotation over 50 ms. Widened by itself when the sensor is moved briskly.");

@@ -13,8 +13,9 @@ namespace sgraph {
 /// A point to register: where the sensor saw it, and when.
 struct Keypoint {
   Eigen::Vector3d p_lidar;
-  int segment = 0;      ///< the knots `segment` and `segment + 1` lie around it
-  double fraction = 0;  ///< 0 at the first of them, 1 at the second
+  Eigen::Vector3d normal = Eigen::Vector3d::Zero();  ///< of the scan's own surface there, LiDAR frame; zero when unknown or not asked for
+  int segment = 0;                                   ///< the knots `segment` and `segment + 1` lie around it
+  double fraction = 0;                               ///< 0 at the first of them, 1 at the second
 };
 
 /// How much the velocity may change from one segment to the next.
@@ -43,10 +44,11 @@ struct WindowProblem {
 
 struct WindowOptions {
   int iterations = 8;
-  double kernel = 0.06;      ///< scale of the robust kernel at the end [m]
-  double noise = 0.02;       ///< standard deviation of a residual [m]
-  double start_scale = 3.0;  ///< the kernel begins this much wider
-  double gate_scale = 3.0;   ///< points farther than this many kernels from a surface don't match
+  double kernel = 0.06;        ///< scale of the robust kernel at the end [m]
+  double noise = 0.02;         ///< standard deviation of a residual [m]
+  double start_scale = 3.0;    ///< the kernel begins this much wider
+  bool distributions = false;  ///< residual between two Gaussians instead of along the surface's normal (VGICP, Koide et al. 2021)
+  double gate_scale = 3.0;     ///< points farther than this many kernels from a surface don't match
 };
 
 struct WindowResult {
