@@ -75,7 +75,9 @@ void measure_map(const Options& options, const Trajectory& truth, Evaluation& ev
   std::vector<Pose> true_poses;
   for (const StampedPose& s : truth) true_poses.push_back(s.pose);
   evaluation.faces = wall_faces(plan, true_poses, options.wall_range);
-  evaluation.walls = score_walls(values_of(graph.planes), T_truth_map, evaluation.faces, plan.blocks);
+  std::vector<PlanBlock> blocks = panes(plan);
+  blocks.insert(blocks.end(), plan.blocks.begin(), plan.blocks.end());
+  evaluation.walls = score_walls(values_of(graph.planes), T_truth_map, evaluation.faces, blocks);
   evaluation.associations =
       score_associations(associated_planes(graph), values_of(graph.planes), truth, T_truth_map, evaluation.faces, *evaluation.walls);
   evaluation.rooms = score_rooms(values_of(graph.rooms), T_truth_map, plan.rooms);

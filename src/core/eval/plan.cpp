@@ -120,4 +120,21 @@ Plan read_plan(const std::string& path) {
   }
 }
 
+std::vector<PlanBlock> panes(const Plan& plan) {
+  std::vector<PlanBlock> blocks;
+  for (const PlanWall& wall : plan.walls) {
+    const Eigen::Vector2d along = wall.direction();
+    for (const PlanOpening& opening : wall.openings) {
+      if (!opening.pane) continue;
+      const Eigen::Vector2d middle = wall.p + 0.5 * (opening.begin + opening.end) * along;
+      PlanBlock pane;
+      pane.center = {middle.x(), middle.y(), wall.bottom + 0.5 * (opening.bottom + opening.top)};
+      pane.size = {opening.end - opening.begin, 0, opening.top - opening.bottom};
+      pane.yaw = std::atan2(along.y(), along.x());
+      blocks.push_back(pane);
+    }
+  }
+  return blocks;
+}
+
 }  // namespace sgraph

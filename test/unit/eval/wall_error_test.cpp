@@ -167,5 +167,18 @@ TEST(WallScore, FurnitureBeforeAWallIsNoDuplicate) {
   EXPECT_EQ(score_walls({on_wall, plane_on(1, {1.5, 0.1}, {4.9, 0.1}, {0, 1}, 0.05)}, T_truth_map, faces, shelf).duplicates, 1);
 }
 
+// A pane is in the middle of its wall, 10 cm behind the face: what it reflects is no second plane of the wall.
+TEST(WallScore, APaneIsNoDuplicate) {
+  Plan plan = two_rooms();
+  plan.walls[0].openings = {{2.0, 4.0, 0.1, 2.4, true}, {6.0, 7.0, 0, 2.1, false}};
+  ASSERT_EQ(panes(plan).size(), 1u);
+  const auto faces = wall_faces(plan, poses({{2.5, 2}}));
+  const ScenePlane on_wall = plane_on(0, {0.1, 0.1}, {4.9, 0.1}, {0, 1});
+  const ScenePlane on_pane = plane_on(1, {2.1, 0.1}, {3.9, 0.1}, {0, 1}, -0.095);
+  EXPECT_EQ(score_walls({on_wall, on_pane}, T_truth_map, faces, panes(plan)).duplicates, 0);
+  EXPECT_EQ(score_walls({on_wall, on_pane}, T_truth_map, faces).duplicates, 1) << "without the pane";
+  EXPECT_EQ(score_walls({on_wall, plane_on(1, {2.1, 0.1}, {3.9, 0.1}, {0, 1}, -0.03)}, T_truth_map, faces, panes(plan)).duplicates, 1);
+}
+
 }  // namespace
 }  // namespace sgraph

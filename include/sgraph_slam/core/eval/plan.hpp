@@ -72,6 +72,9 @@ struct Plan {
   std::vector<PlanPlace> corridors;
 };
 
+/// The panes in windows and glass doors, as upright boxes without thickness.
+std::vector<PlanBlock> panes(const Plan& plan);
+
 /// Reads truth.json: "walls" [{"p", "q", "t", "z", optional "height", "extend_p", "extend_q", "glass", "openings" [{"begin", "end", "bottom", "top",
 /// "pane"}]}]; "rooms" and "corridors", and "other_rooms" and "other_corridors" that
 /// the robot does not enter [{"id", "center", "width" and "yaw" or "polygon", whose first edge gives it}]; optional "columns" and
