@@ -1,6 +1,7 @@
 #include "sgraph_slam/core/mapping/intervals.hpp"
 
 #include <algorithm>
+#include <utility>
 
 namespace sgraph {
 
@@ -16,6 +17,25 @@ Intervals unite(Intervals parts, double gap) {
     }
   }
   return united;
+}
+
+Intervals covered(const Intervals& parts, int times) {
+  std::vector<std::pair<double, int>> steps;  // where a part begins (+1) or ends (-1); at the same place beginnings first
+  for (const Interval& part : parts) {
+    if (!(part.high > part.low)) continue;
+    steps.emplace_back(part.low, -1);
+    steps.emplace_back(part.high, 1);
+  }
+  std::sort(steps.begin(), steps.end());
+  Intervals stretches;
+  int depth = 0;
+  for (const auto& [at, end] : steps) {
+    const int before = depth;
+    depth -= end;
+    if (before < times && depth >= times) stretches.push_back({at, at});
+    if (before >= times && depth < times) stretches.back().high = at;
+  }
+  return unite(std::move(stretches));
 }
 
 Interval hull(const Intervals& parts) {

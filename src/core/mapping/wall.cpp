@@ -7,6 +7,9 @@
 namespace sgraph {
 namespace {
 
+constexpr int views_a_vote = 25;  // of a wall with many views a piece counts when as many as one in this number saw it,
+constexpr int most_votes = 4;     // though never more than this many are asked for
+
 Eigen::Vector2d left_of(const Eigen::Vector2d& v) { return {-v.y(), v.x()}; }
 
 // The wall's hull along another direction.
@@ -51,7 +54,9 @@ std::optional<Wall> make_wall(PlaneId id, const Plane& plane, const std::vector<
     }
     parts.push_back(part);
   }
-  wall.support = unite(std::move(parts), gap);
+  // One view in a hundred takes a door leaf or somebody's back for a piece of the wall.
+  const int needed = std::clamp(static_cast<int>(parts.size()) / views_a_vote, 1, most_votes);
+  wall.support = unite(covered(parts, needed), gap);
   if (wall.support.empty()) return std::nullopt;
   return wall;
 }

@@ -20,7 +20,8 @@ namespace {
 
 KeyframeParams keyframe_params(const OdometryParams& params) {
   KeyframeParams keyframe = params.keyframe;
-  if (keyframe.cloud == "auto") keyframe.cloud = params.source == "topic" ? "scan" : "scans";
+  const bool poor = params.source == "topic" || params.motion.model == "velocity" || params.motion.model == "none";
+  if (keyframe.cloud == "auto") keyframe.cloud = poor ? "scan" : "scans";
   return keyframe;
 }
 

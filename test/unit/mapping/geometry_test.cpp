@@ -148,5 +148,29 @@ TEST(Rectangles, SharedAreaAgreesWithSampling) {
   }
 }
 
+TEST(Intervals, CoveredTakesWhatEnoughPartsSay) {
+  const Intervals parts{{0, 4}, {1, 5}, {2, 3}, {8, 9}, {5, 7}, {3, 3}};
+  const Intervals twice = covered(parts, 2);
+  ASSERT_EQ(twice.size(), 1u);
+  EXPECT_EQ(twice[0].low, 1);
+  EXPECT_EQ(twice[0].high, 4);
+  const Intervals once = covered(parts, 1);
+  ASSERT_EQ(once.size(), 2u);
+  EXPECT_EQ(once[0].high, 7);
+  EXPECT_EQ(covered(parts, 3).size(), 1u);
+  EXPECT_TRUE(covered(parts, 4).empty());
+}
+
+TEST(Wall, APieceThatOneViewInManyShowsIsNoWall) {
+  const Plane plane{Eigen::Vector3d::UnitY(), 0};
+  const auto view = [](double low, double high) { return std::vector<Eigen::Vector3d>{{low, 0, 0}, {high, 0, 0}, {high, 0, 2}, {low, 0, 2}}; };
+  std::vector<std::vector<Eigen::Vector3d>> views(60, view(1, 2));
+  views.push_back(view(-4, 3));
+  const auto wall = make_wall({0}, plane, views, 0.26, 0.3);
+  ASSERT_TRUE(wall);
+  EXPECT_NEAR(total_length(wall->support), 1, 1e-9);
+  EXPECT_NEAR(total_length(make_wall({0}, plane, {view(1, 2), view(-4, 3)}, 0.26, 0.3)->support), 7, 1e-9) << "of two, each counts";
+}
+
 }  // namespace
 }  // namespace sgraph

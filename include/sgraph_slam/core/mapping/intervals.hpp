@@ -19,6 +19,9 @@ using Intervals = std::vector<Interval>;
 /// The union as disjoint stretches in order; those less than `gap` apart become one. Empty and reversed ones are dropped.
 Intervals unite(Intervals parts, double gap = 0);
 
+/// What lies in at least `times` of the parts, in order; all of them for `times` 1.
+Intervals covered(const Intervals& parts, int times);
+
 /// From the first beginning to the last end; {0, 0} when there is none.
 Interval hull(const Intervals& parts);
 

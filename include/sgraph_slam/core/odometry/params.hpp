@@ -20,7 +20,8 @@ struct KeyframeParams {
     v.field("time", time, "s", {0, 3600}, "... or when this long has passed; 0: never by time.");
     v.choice("cloud", cloud, {"auto", "scan", "scans"},
              "A keyframe's cloud: its own scan, or all scans since the last keyframe put together with their final poses. auto: scans with LiDAR "
-             "odometry; its own with the robot's, which knows too little of the tilt to put scans together.");
+             "odometry; its own where the motion is known too poorly to put scans together: with the robot's, which knows nothing of tilt, and where "
+             "the motion within a scan isn't found.");
     v.field("leaf", leaf, "m", {0, 1}, "Voxels of which one point each is kept when scans are put together; 0: all points.");
   }
 };
