@@ -26,6 +26,7 @@ class BackEnd::Implementation {
 
   GraphSnapshotPtr process(const Keyframe& keyframe, const PlaneSegments& segments) {
     if (!add_keyframe(state_, keyframe)) return snapshot_;
+    optimized_ = false;
     const AssociationResult seen = add_observations(state_, segments);
     ++since_global_;
     summary_ = {};
@@ -46,7 +47,9 @@ class BackEnd::Implementation {
   }
 
   GraphSnapshotPtr optimize() {
-    if (state_.keyframes.empty()) return snapshot_;
+    // Asked twice (at the end of a recording, and again to save it) the map stays as it is.
+    if (state_.keyframes.empty() || optimized_) return snapshot_;
+    optimized_ = true;
     summary_ = {};
     solve_global(state_.params.solving.final_iterations, true);
     if (state_.params.topological_layer) {
@@ -172,6 +175,7 @@ class BackEnd::Implementation {
   SolveSummary summary_;
   std::set<PlanePair> pending_;  // planes that a place showed to be one
   int since_global_ = 0;
+  bool optimized_ = false;  // since the last keyframe
   KeyframeId last_revisited_;
 };
 
