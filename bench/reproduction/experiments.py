@@ -105,6 +105,7 @@ TOPOLOGY = Experiment('topology', ['se1', 'se2', 'cf1'], [
     Variant(f'{source}_{name}', label, settings, odometry) for source, _, odometry in ODOMETRIES for name, label, settings in MECHANISMS])
 
 EXPERIMENTS = {e.name: e for e in (MAPS, ODOMETRY, ROBUSTNESS, PLANES, TOPOLOGY)}
+ALL_WORLDS = list(dict.fromkeys(world for e in EXPERIMENTS.values() for world in e.worlds))
 
 
 def restricted(experiment, worlds, only=None):

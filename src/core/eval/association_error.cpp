@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <nlohmann/json.hpp>
 #include <optional>
 #include <set>
 
+#include "sgraph_slam/core/graph/serialization.hpp"
 #include "sgraph_slam/core/math/se3.hpp"
 
 namespace sgraph {
@@ -61,7 +61,7 @@ std::optional<FaceLine> line_of(const Plane& observed, const Eigen::Vector3d& at
   std::optional<FaceLine> best;
   double nearest = farthest;
   for (FaceLine i = 0; i < lines.planes.size(); ++i) {
-    if (std::acos(std::clamp(lines.planes[i].normal.dot(observed.normal), -1.0, 1.0)) > largest_turn) continue;
+    if (lines.planes[i].normal.dot(observed.normal) < std::cos(largest_turn)) continue;
     const double distance = std::abs(lines.planes[i].distance(at));
     if (distance < nearest) nearest = distance, best = i;
   }
@@ -72,15 +72,12 @@ std::optional<FaceLine> line_of(const Plane& observed, const Eigen::Vector3d& at
 
 std::vector<AssociatedPlane> associated_planes(const GraphSnapshot& snapshot) {
   std::vector<AssociatedPlane> observations;
-  for (const auto& factor : nlohmann::json::parse(snapshot.factors_json)) {
-    if (factor.at("type") != "pose_plane") continue;
-    const auto keyframe = snapshot.keyframes.find({factor.at("keyframe").get<std::int64_t>()});
+  for (const auto& [id, factor] : factors_from_json(snapshot.factors_json)) {
+    const auto* seen = std::get_if<PosePlane>(&factor.data);
+    if (seen == nullptr) continue;
+    const auto keyframe = snapshot.keyframes.find(seen->keyframe);
     if (keyframe == snapshot.keyframes.end()) continue;
-    const auto m = factor.at("measured").get<std::vector<double>>();
-    const auto q = factor.at("base_lidar").get<std::vector<double>>();
-    const Pose T_base_lidar{Eigen::Quaterniond(q.at(6), q.at(3), q.at(4), q.at(5)), {q.at(0), q.at(1), q.at(2)}};
-    const Plane seen{{m.at(0), m.at(1), m.at(2)}, m.at(3)};
-    observations.push_back({keyframe->second.stamp, factor.at("plane").get<std::int64_t>(), T_base_lidar * seen});
+    observations.push_back({keyframe->second.stamp, seen->plane.value, seen->T_base_lidar * seen->measured});
   }
   return observations;
 }

@@ -140,6 +140,14 @@ struct GraphReader {
 
 std::string factors_to_json(const Graph& graph) { return factors_json(graph.factors()).dump(); }
 
+std::map<FactorId, Factor> factors_from_json(const std::string& text) {
+  try {
+    return GraphReader::factors_from(Json::parse(text));
+  } catch (const std::exception& error) {
+    throw std::runtime_error(std::string("graph: ") + error.what());
+  }
+}
+
 std::string to_json(const Graph& graph) {
   Json json{{"format", format}};
   json["keyframes"] = json["planes"] = json["rooms"] = json["corridors"] = Json::array();

@@ -56,10 +56,11 @@ Keyframe KeyframeSelector::close() {
 
 CloudPtr KeyframeSelector::merged_cloud(const FinalScan& last) const {
   const bool only_last = params_.cloud == "scan" || scans_.size() == 1;
-  if (last.explained && only_last) return last.cloud;
+  if (only_last && last.explained) return last.cloud;
   auto merged = std::make_shared<Cloud>();
   merged->stamp = last.stamp;
   merged->frame = last.cloud->frame;
+  if (only_last) return merged;
   const bool thin = params_.leaf > 0;
   std::size_t count = 0;
   for (const FinalScan& scan : scans_) count += scan.cloud->size();
@@ -67,7 +68,7 @@ CloudPtr KeyframeSelector::merged_cloud(const FinalScan& last) const {
   const Pose T_lidar_odom = (last.T_odom_base * T_base_lidar_).inverse();
   // The newest scan first: its points are exact, and where two share a voxel the one nearer in time is kept.
   for (auto scan = scans_.rbegin(); scan != scans_.rend(); ++scan) {
-    if (!scan->explained || (only_last && scan != scans_.rbegin())) continue;
+    if (!scan->explained) continue;
     const Pose motion = T_lidar_odom * (scan->T_odom_base * T_base_lidar_);
     const Eigen::Matrix3f rotation = motion.matrix().cast<float>();
     const Eigen::Vector3f translation = motion.translation.cast<float>();

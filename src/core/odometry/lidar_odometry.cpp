@@ -21,21 +21,10 @@ constexpr double long_gap = 0.3;          // [s] after which a motion predicted 
 constexpr double poor_share = 0.7;        // of the usual share of matches: below it other starts are tried,
 constexpr double poor_after_gap = 0.9;    // and below this one after a gap
 constexpr double clearly_better = 1.1;    // support that another start must have
-constexpr double searched_turn = 1.5;     // [rad/s] ... turned by up to this rate since the last scan that was understood to either side,
-constexpr int fewest_turns = 9;           // at least this many
-constexpr int most_turns = 31;            // and at most this many
-constexpr double turn_step = 0.1;         // [rad] of these
 constexpr double far_rotation = 0.1;      // [rad], and
 constexpr double far_translation = 0.15;  // [m]: corrections of the prediction that ask for better support
 constexpr double own_surface = 0.1;       // [m] of a point from the surface of its own scan that it lies on
 constexpr double usual_change = 15.0;     // a correction's ratio to the change of velocity a step that it speaks of
-constexpr double fastest_turn = 4.0;      // [rad/s], and
-constexpr double fastest_way = 3.0;       // [m/s]: motions, and changes of the motion, beyond which a result is not believed
-constexpr double step_up = 0.15;          // [m] of height, and
-constexpr double tilt_at_once = 0.15;     // [rad] of tilt that anything may change by between two scans, and
-constexpr double fastest_climb = 0.5;     // [m/s], and
-constexpr double fastest_tilt = 1.0;      // [rad/s]: what robots and people add to that as time goes by,
-constexpr double widest_tilt = 0.4;       // [rad] at most
 constexpr double far_share = 0.3;         // of the usual share of matches
 constexpr int longest_blindness = 5;      // scans without registration over which the motion is believed to go on
 constexpr double covariance_scale = 9.0;  // points on one surface share its errors: their residuals are not independent
@@ -163,49 +152,22 @@ RigidAlignmentResult LidarOdometry::align(const WindowScan& scan) const {
   search.reach = Reach::neighbours;
   search.kernel_begin = 1.5;
   search.iterations = 10;
-  RigidAlignmentResult found;
-  const Pose predicted = pose_at(knots_, scan.end);
-  for (const Pose& start : other_starts(scan)) {
-    search.start = start;
-    const RigidAlignmentResult other = align_rigidly(map_, few, search);
-    if (plausible(scan, other, other.correction * predicted) && other.support > found.support) found = other;
-  }
-  options.start = found.correction;
-  found = align_rigidly(map_, points, options);
-  if (plausible(scan, found, found.correction * predicted) && found.support > clearly_better * best.support) best = found;
-  return best;
-}
-
-// A correction that a walking or driving robot can have needed since the last scan that was understood. Both stay on the floor: the height and the
-// tilt change little.
-bool LidarOdometry::plausible(const WindowScan& scan, const RigidAlignmentResult& alignment, const Pose& now) const {
-  const double blind = scan.end - trusted_.time;
-  const Pose& before = trusted_.pose;
-  const Eigen::Vector3d turned = now.rotation * (before.rotation.conjugate() * up());
-  const double tilt = std::acos(std::clamp(turned.dot(up()), -1.0, 1.0));
-  const double most_tilt = std::min(tilt_at_once + fastest_tilt * blind, widest_tilt);
-  const Eigen::Vector3d way = now.translation - before.translation;
-  return alignment.rotation < far_rotation + fastest_turn * blind && alignment.translation < far_translation + fastest_way * blind &&
-         way.norm() < far_translation + fastest_way * blind && tilt < most_tilt && std::abs(way.dot(up())) < step_up + fastest_climb * blind;
-}
-
-// Corrections of the prediction to try: the predicted motion or none since the last scan, each turned to the left and right, upright by the walls and
-// floors of the scan itself.
-std::vector<Pose> LidarOdometry::other_starts(const WindowScan& scan) const {
-  const Pose predicted = pose_at(knots_, scan.end);
-  const Pose held = pose_at(knots_, last_end_);
-  const int steps = std::clamp(static_cast<int>(std::ceil(searched_turn * (scan.end - trusted_.time) / turn_step)), fewest_turns, most_turns);
+  // Upright by the walls and floors of the scan itself.
   SurfaceMap own(params_.map);
   insert(own, *deskew(*scan.cloud, scan.time, knots_), pose_at(knots_, scan.time));
   const Eigen::Quaterniond upright = Eigen::Quaterniond::FromTwoVectors(vertical_of(own, up()).value_or(up()), up());
-  std::vector<Pose> starts;
-  for (const Pose& base : {predicted, held}) {
-    for (int i = -steps; i <= steps; ++i) {
-      const Pose turned{so3_exp(i * turn_step * up()) * upright * base.rotation, base.translation};
-      starts.push_back(turned * predicted.inverse());
-    }
+  const LastKnown known = last_known(scan);
+  const Pose predicted = pose_at(knots_, scan.end);
+  RigidAlignmentResult found;
+  for (const Pose& start : other_starts(known, predicted, pose_at(knots_, last_end_), upright)) {
+    search.start = start;
+    const RigidAlignmentResult other = align_rigidly(map_, few, search);
+    if (plausible(known, other, other.correction * predicted) && other.support > found.support) found = other;
   }
-  return starts;
+  options.start = found.correction;
+  found = align_rigidly(map_, points, options);
+  if (plausible(known, found, found.correction * predicted) && found.support > clearly_better * best.support) best = found;
+  return best;
 }
 
 // What other sensors say of the motion along the segments that are being solved.
@@ -219,6 +181,7 @@ std::vector<SegmentMeasurement> LidarOdometry::measurements() const {
 }
 
 WindowResult LidarOdometry::solve(const RigidAlignmentResult& alignment) {
+  window_.back().held = alignment.held;
   // The newest scan's knots start from the rigid alignment; where it moved far, the velocity has changed that way and the prior must let it.
   const VelocityPrior prior{params_.motion.rotation_sigma, params_.motion.translation_sigma, so3_log(alignment.correction.rotation) / usual_change,
                             alignment.moved / usual_change};
@@ -248,7 +211,6 @@ void LidarOdometry::bootstrap(const WindowScan& second) {
     insert_now(first);
     window_ = {second};
     const RigidAlignmentResult alignment = align(second);
-    window_.back().held = alignment.held;
     solve(alignment);
     // The first scan's knots on the motion found since, through the pose at its stamp.
     const std::size_t n = knots_.size();
@@ -307,12 +269,17 @@ FinalScan LidarOdometry::leave_window() {
   return final;
 }
 
+// Makes the oldest scans final until this many are left.
+void LidarOdometry::shrink_window(std::size_t kept, std::vector<FinalScan>& finals) {
+  while (window_.size() > kept) finals.push_back(leave_window());
+}
+
 // A result that the points don't support is a jump: the prediction is kept and the map isn't touched. A scan that ended far from its prediction must
 // be supported better than one that is where it was expected (a doorway shows little that is known).
 void LidarOdometry::judge(WindowScan& scan, const WindowResult& solved, const RigidAlignmentResult& alignment, const Knots& predicted) {
   const bool far = alignment.rotation > far_rotation || alignment.translation > far_translation;
   const double needed = std::max(params_.motion.min_inliers, far ? far_share * usual_share_ : 0.0);
-  if (solved.inlier_share >= needed && plausible(scan, alignment, pose_at(knots_, scan.end))) {
+  if (solved.inlier_share >= needed && plausible(last_known(scan), alignment, pose_at(knots_, scan.end))) {
     before_trusted_ = trusted_;
     trusted_ = {scan.end, pose_at(knots_, scan.end)};
     untrusted_ = 0;
@@ -393,14 +360,13 @@ MotionOutput LidarOdometry::process(const CloudPtr& cloud) {
     }
     // Across a gap the motion says nothing of the scan before: it is as good as it will get, and the map is the better for it.
     const bool gap = scan.begin - last_end_ > long_gap;
-    while (moving_known_ && gap && !window_.empty()) output.finals.push_back(leave_window());
+    if (gap && moving_known_) shrink_window(0, output.finals);
     extend_knots(scan);
     if (!moving_known_) bootstrap(scan);
-    while (gap && !window_.empty()) output.finals.push_back(leave_window());
+    if (gap) shrink_window(0, output.finals);
     const Knots predicted = knots_;
     const RigidAlignmentResult alignment = align(scan);
     window_.push_back(scan);
-    window_.back().held = alignment.held;
     solved = solve(alignment);
     WindowScan& newest = window_.back();
     judge(newest, solved, alignment, predicted);
@@ -411,14 +377,13 @@ MotionOutput LidarOdometry::process(const CloudPtr& cloud) {
   if (solved.iterations == 0) output.live.status = OdometryStatus::started;
   output.deskewed = deskew(*scan.cloud, scan.time, knots_);
   last_end_ = scan.end;
-  const std::size_t kept = params_.motion.model == "scan" && moving_known_ ? 0 : 1;
-  while (window_.size() > kept) output.finals.push_back(leave_window());
+  shrink_window(params_.motion.model == "scan" && moving_known_ ? 0 : 1, output.finals);
   return output;
 }
 
 std::vector<FinalScan> LidarOdometry::finish() {
   std::vector<FinalScan> finals;
-  while (!window_.empty()) finals.push_back(leave_window());
+  shrink_window(0, finals);
   return finals;
 }
 

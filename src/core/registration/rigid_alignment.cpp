@@ -111,21 +111,8 @@ RigidAlignmentResult align_rigidly(const SurfaceMap& map, const std::vector<Seen
   result.correction = options.start;
   center = result.correction * center;
 
-  // Looked at through a wide kernel, wrong matches hold every direction. At the end of the narrowing it is seen which directions are free: what the
-  // sensor has moved in them is undone, and the rest settles in two more steps.
-  constexpr int settling = 2;
-  for (int i = 0; i < options.iterations + settling; ++i) {
-    const double along = options.iterations > 1 ? static_cast<double>(i) / (options.iterations - 1) : 1.0;
-    const double kernel = options.kernel_begin * std::pow(options.kernel_end / options.kernel_begin, std::min(1.0, along));
-    if (i == options.iterations) {
-      if (result.free_directions.empty()) break;
-      Vector6 moved;
-      moved << so3_log(result.correction.rotation), center - begin;
-      moved = (result.held * moved).eval();
-      const Eigen::Quaterniond turn = so3_exp(moved.head<3>());
-      center = begin + moved.tail<3>();
-      result.correction = {turn, center - turn * begin};
-    }
+  const auto advance = [&](double along) {
+    const double kernel = options.kernel_begin * std::pow(options.kernel_end / options.kernel_begin, along);
     const Step at = linearise(map, points, result.correction, center, kernel, options.noise, options.reach);
     result.inlier_share = static_cast<double>(at.inliers) / static_cast<double>(points.size());
     result.support = support_of(at.normals / static_cast<double>(points.size()));
@@ -133,11 +120,26 @@ RigidAlignmentResult align_rigidly(const SurfaceMap& map, const std::vector<Seen
     Matrix6 h = at.h;
     h.diagonal().array() += 1e-6;  // the weak directions are projected away; this only keeps the solution finite
     const Vector6 step = -result.held * h.ldlt().solve(at.b);
-    if (!step.allFinite()) break;
+    if (!step.allFinite()) return false;
     const Eigen::Quaterniond turn = so3_exp(step.head<3>());
     const Pose move{turn, center - turn * center + step.tail<3>()};
     result.correction = move * result.correction;
     center = move * center;
+    return true;
+  };
+  bool finite = true;
+  for (int i = 0; finite && i < options.iterations; ++i)
+    finite = advance(options.iterations > 1 ? static_cast<double>(i) / (options.iterations - 1) : 1.0);
+  if (finite && !result.free_directions.empty()) {
+    // Looked at through a wide kernel, wrong matches hold every direction. Only now is it seen which directions are free: what the sensor has moved
+    // in them is undone, and the rest settles in two more steps.
+    Vector6 moved;
+    moved << so3_log(result.correction.rotation), center - begin;
+    moved = (result.held * moved).eval();
+    const Eigen::Quaterniond turn = so3_exp(moved.head<3>());
+    center = begin + moved.tail<3>();
+    result.correction = {turn, center - turn * begin};
+    for (int i = 0; finite && i < 2; ++i) finite = advance(1.0);
   }
   result.held_directions = 6 - static_cast<int>(result.free_directions.size());
   result.rotation = so3_log(result.correction.rotation).norm();

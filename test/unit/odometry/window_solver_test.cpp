@@ -2,10 +2,9 @@
 
 #include <gtest/gtest.h>
 
-#include <random>
-
 #include "sgraph_slam/core/math/se3.hpp"
 #include "sgraph_slam/core/math/so3.hpp"
+#include "support/noisy_box.hpp"
 
 namespace sgraph {
 namespace {
@@ -16,30 +15,16 @@ constexpr double loose = 1e3;
 
 struct Room {
   SurfaceMap map{SurfaceMapParams{}};
-  std::vector<std::pair<Vector3d, Vector3d>> points;  // and their surfaces' normals
+  std::vector<test::SidePoint> points;
 };
 
-// A room of 6 x 4 x 2.5 m around the origin, or without its ends a piece of a corridor along x.
+// A room of 6 x 4 x 2.5 m around the origin, or without its ends a piece of a corridor along x: the map of noisy points, and others that are exact.
 Room room(bool ends) {
+  const Vector3d size(6, 4, 2.5);
   Room room;
-  std::mt19937 random(1);
-  std::uniform_real_distribution<double> unit(-0.5, 0.5);
-  std::normal_distribution<double> noise(0, 0.005);
-  for (int i = 0; i < 42000; ++i) {
-    const double a = unit(random);
-    const double b = unit(random);
-    const double side = i % 2 == 0 ? 1.0 : -1.0;
-    Vector3d p(6 * a, side * 2.0, 2.5 * b);
-    Vector3d n(0, -side, 0);
-    if (i % 3 == 1) p = {6 * a, 4 * b, side * 1.25}, n = {0, 0, -side};
-    if (ends && i % 3 == 2) p = {side * 3.0, 4 * a, 2.5 * b}, n = {-side, 0, 0};
-    if (i < 40000) {
-      room.map.insert(p + noise(random) * n, Vector3d::Zero());
-    } else {
-      room.points.emplace_back(p, n);
-    }
-  }
+  for (const test::SidePoint& point : test::noisy_box(size, {true, ends}, 40000, 0.005, 1)) room.map.insert(point.position, Vector3d::Zero());
   room.map.update();
+  room.points = test::noisy_box(size, {true, ends}, 2000, 0, 2);
   return room;
 }
 
@@ -53,7 +38,7 @@ WindowProblem moving(const Room& room, double velocity, const Pose& off, const V
     const double fraction = static_cast<double>(i % 10) / 10;
     const int segment = i < room.points.size() / 2 ? 1 : 2;
     const Pose at = pose_at(problem.knots, 0.05 * (segment + fraction));
-    problem.keypoints.push_back({at.inverse() * room.points[i].first, room.points[i].second, segment, fraction});
+    problem.keypoints.push_back({at.inverse() * room.points[i].position, room.points[i].normal, segment, fraction});
   }
   for (std::size_t i = 2; i < 4; ++i) problem.knots[i].pose = off * problem.knots[i].pose;
   return problem;

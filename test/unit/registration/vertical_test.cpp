@@ -2,35 +2,20 @@
 
 #include <gtest/gtest.h>
 
-#include <random>
-
 #include "sgraph_slam/core/math/so3.hpp"
+#include "support/noisy_box.hpp"
 
 namespace sgraph {
 namespace {
 
 using Eigen::Vector3d;
 
-struct Sides {
-  bool level = true;   // floor and ceiling
-  bool across = true;  // the walls across the long ones
-};
+using Sides = test::BoxSides;
 
 // A room of 9 x 6 x 3 m around the sensor, turned.
 SurfaceMap room(const Eigen::Quaterniond& turn, Sides sides) {
   SurfaceMap map({});
-  std::mt19937 random(1);
-  std::uniform_real_distribution<double> unit(-0.5, 0.5);
-  std::normal_distribution<double> noise(0, 0.01);
-  for (int i = 0; i < 60000; ++i) {
-    const double a = unit(random);
-    const double b = unit(random);
-    const double side = i % 2 == 0 ? 1.0 : -1.0;
-    Vector3d p(9 * a, side * 3 + noise(random), 3 * b);
-    if (i % 3 == 1 && sides.level) p = {9 * a, 6 * b, side * 1.5 + noise(random)};
-    if (i % 3 == 2 && sides.across) p = {side * 4.5 + noise(random), 6 * a, 3 * b};
-    map.insert(turn * p, Vector3d::Zero());
-  }
+  for (const test::SidePoint& point : test::noisy_box({9, 6, 3}, sides, 60000, 0.01, 1)) map.insert(turn * point.position, Vector3d::Zero());
   map.update();
   return map;
 }

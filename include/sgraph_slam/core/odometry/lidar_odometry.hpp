@@ -7,6 +7,7 @@
 #include "sgraph_slam/core/odometry/motion.hpp"
 #include "sgraph_slam/core/odometry/motion_sensors.hpp"
 #include "sgraph_slam/core/odometry/motion_source.hpp"
+#include "sgraph_slam/core/odometry/start_search.hpp"
 #include "sgraph_slam/core/odometry/window_solver.hpp"
 #include "sgraph_slam/core/registration/rigid_alignment.hpp"
 #include "sgraph_slam/core/registration/surface_map.hpp"
@@ -49,8 +50,7 @@ class LidarOdometry : public MotionSource {
   void begin_map(const WindowScan& scan);
   void bootstrap(const WindowScan& scan);
   [[nodiscard]] RigidAlignmentResult align(const WindowScan& scan) const;
-  [[nodiscard]] bool plausible(const WindowScan& scan, const RigidAlignmentResult& alignment, const Pose& now) const;
-  [[nodiscard]] std::vector<Pose> other_starts(const WindowScan& scan) const;
+  [[nodiscard]] LastKnown last_known(const WindowScan& scan) const { return {trusted_, scan.end, up()}; }
   WindowResult solve(const RigidAlignmentResult& alignment);
   [[nodiscard]] std::vector<Keypoint> keypoints_in_window() const;
   [[nodiscard]] std::vector<Matrix6> held_in_window() const;
@@ -58,6 +58,7 @@ class LidarOdometry : public MotionSource {
   void rate(WindowScan& newest, const WindowResult& solved, const std::vector<Vector6>& free_directions) const;
   [[nodiscard]] OdometryEstimate live_estimate(const WindowScan& scan, const WindowResult& solved) const;
   FinalScan leave_window();
+  void shrink_window(std::size_t kept, std::vector<FinalScan>& finals);
   void insert(SurfaceMap& map, const Cloud& deskewed, const Pose& T_odom_lidar) const;
   void insert_now(const WindowScan& scan);
   [[nodiscard]] double noise() const;

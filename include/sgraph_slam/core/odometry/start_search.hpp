@@ -1,0 +1,29 @@
+#pragma once
+
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "sgraph_slam/core/odometry/motion.hpp"
+#include "sgraph_slam/core/registration/rigid_alignment.hpp"
+
+namespace sgraph {
+
+/// Where the sensor was when a scan was last understood, for a scan that ends at `time`.
+struct LastKnown {
+  Knot knot;           ///< LiDAR in odom
+  double time = 0;     ///< [s], of the knots' clock
+  Eigen::Vector3d up;  ///< in odom, |up| = 1
+
+  [[nodiscard]] double blind() const { return time - knot.time; }
+};
+
+/// Whether a walking or driving robot can have needed the correction, and have come to `now` [LiDAR in odom], since then. Both stay on the floor: the
+/// height and the tilt change little.
+bool plausible(const LastKnown& known, const RigidAlignmentResult& alignment, const Pose& now);
+
+/// Corrections of the prediction to try when it is far off: the predicted motion or none since the last scan (`held`), each set upright by `upright`
+/// and turned to the left and right, the further the longer nothing was understood.
+std::vector<Pose> other_starts(const LastKnown& known, const Pose& predicted, const Pose& held, const Eigen::Quaterniond& upright);
+
+}  // namespace sgraph
