@@ -13,6 +13,7 @@
 #include <unistd.h>
 
 #include "sgraph_slam/core/eval/evaluation.hpp"
+#include "sgraph_slam/core/eval/true_associations.hpp"
 #include "sgraph_slam/core/io/file.hpp"
 #include "sgraph_slam/core/io/graph_json.hpp"
 #include "sgraph_slam/core/io/pcd.hpp"
@@ -29,6 +30,7 @@ struct Options {
   double map_cap = 0.5;
   double wall_range = 6;
   bool picture = true;
+  bool true_associations = false;
 };
 
 // Whether the run has the file; says so when not.
@@ -80,6 +82,15 @@ void measure_map(const Options& options, const Trajectory& truth, Evaluation& ev
   evaluation.walls = score_walls(values_of(graph.planes), T_truth_map, evaluation.faces, blocks);
   evaluation.associations =
       score_associations(associated_planes(graph), values_of(graph.planes), truth, T_truth_map, evaluation.faces, *evaluation.walls);
+  if (options.true_associations) {
+    const auto study = with_true_associations(graph, truth, T_truth_map, evaluation.faces, *evaluation.walls);
+    if (study) {
+      evaluation.association_loss = AssociationLoss{evaluate_trajectory(study->mapped, truth).absolute.translation.rmse,
+                                                    evaluate_trajectory(study->corrected, truth).absolute.translation.rmse};
+    } else {
+      evaluation.remarks.push_back("the graph could not be optimised with the truth's associations");
+    }
+  }
   evaluation.rooms = score_rooms(values_of(graph.rooms), T_truth_map, plan.rooms);
   evaluation.corridors = score_corridors(values_of(graph.corridors), T_truth_map, plan.corridors);
 }
@@ -148,6 +159,8 @@ int main(int argc, char** argv) {
   app.add_option("--wall-range", options.wall_range, "a wall counts as seen within this distance of the path [m]")
       ->capture_default_str()
       ->check(CLI::PositiveNumber);
+  app.add_flag("--true-associations", options.true_associations,
+               "optimise the graph once more with the truth's associations of walls, and say what the mapping's cost");
   app.add_flag("!--no-picture", options.picture, "don't draw evaluation.png");
   try {
     app.parse(argc, argv);

@@ -117,6 +117,10 @@ std::string to_json(const Evaluation& e) {
   if (e.corridors) j["corridors"] = json_of(*e.corridors);
   if (e.walls) j["walls"] = json_of(*e.walls, e.faces);
   if (e.associations) j["associations"] = json_of(*e.associations);
+  if (e.association_loss) {
+    j["associations"]["keyframes_ate_m"] = e.association_loss->mapped;
+    j["associations"]["keyframes_ate_with_true_associations_m"] = e.association_loss->corrected;
+  }
   j["remarks"] = e.remarks;
   return j.dump(1) + "\n";
 }

@@ -83,6 +83,10 @@ std::string to_table(const Evaluation& e) {
     add_line(text, "  associations           %.2f %% of %d right; %d of another face, %d to a duplicate", 100 * e.associations->right_share(),
              e.associations->observations, e.associations->wrong_face, e.associations->split);
   }
+  if (e.association_loss) {
+    add_line(text, "  keyframes' ATE         %.4f m; %.4f m with the truth's associations of walls", e.association_loss->mapped,
+             e.association_loss->corrected);
+  }
   if (e.rooms) add_places(text, "rooms", *e.rooms);
   if (e.corridors) add_places(text, "corridors", *e.corridors);
   for (const std::string& remark : e.remarks) text += "note: " + remark + "\n";

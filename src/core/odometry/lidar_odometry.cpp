@@ -29,6 +29,18 @@ constexpr double far_share = 0.3;         // of the usual share of matches
 constexpr int longest_blindness = 5;      // scans without registration over which the motion is believed to go on
 constexpr double covariance_scale = 9.0;  // points on one surface share its errors: their residuals are not independent
 
+CloudPtr moved(const Cloud& cloud, const Pose& T) {
+  auto result = std::make_shared<Cloud>(cloud);
+  const Eigen::Matrix3f rotation = T.matrix().cast<float>();
+  for (Point& point : result->points) {
+    const Eigen::Vector3f p = rotation * point.position() + T.translation.cast<float>();
+    point.x = p.x();
+    point.y = p.y();
+    point.z = p.z();
+  }
+  return result;
+}
+
 }  // namespace
 
 LidarOdometry::LidarOdometry(const OdometryParams& params, const Pose& T_base_lidar)
@@ -43,9 +55,13 @@ LidarOdometry::WindowScan LidarOdometry::prepare(const CloudPtr& cloud) const {
   WindowScan scan;
   scan.time = cloud->stamp - *origin_;
   scan.cloud = cloud;
-  // Without times from here on.
-  if (params_.motion.model == "none") scan.cloud = deskew(*cloud, scan.time, {Knot{}});
-  if (params_.motion.model == "velocity") scan.cloud = deskew(*cloud, scan.time, knots_.empty() ? Knots{Knot{}} : knots_);
+  if (params_.motion.model == "none" || params_.motion.model == "velocity") {
+    const Knots taken_out = params_.motion.model == "none" || knots_.empty() ? Knots{Knot{}} : knots_;
+    const TimeSpan firing = firing_times(*cloud);
+    const double middle = scan.time + 0.5 * (firing.begin + firing.end);
+    scan.middle = Knot{middle, pose_at(taken_out, scan.time).inverse() * pose_at(taken_out, middle)};
+    scan.cloud = deskew(*cloud, scan.time, taken_out);  // without times from here on
+  }
   const TimeSpan firing = firing_times(*scan.cloud);
   scan.begin = scan.time + firing.begin;
   scan.end = scan.time + firing.end;
@@ -240,6 +256,17 @@ void LidarOdometry::insert(SurfaceMap& map, const Cloud& deskewed, const Pose& T
   map.update();
 }
 
+// A scan that got one pose shows best where it was at its middle: elsewhere the pose is off by what the motion taken out of it is wrong by. At the stamp
+// it is therefore taken from the middles of this scan and the next.
+Pose LidarOdometry::pose_between_middles(const WindowScan& scan) const {
+  Knots middles;
+  for (const WindowScan* s : {&scan, window_.empty() ? nullptr : &window_.front()}) {
+    if (s == nullptr || !s->middle) continue;
+    middles.push_back({s->middle->time, pose_at(knots_, s->time) * s->middle->pose});
+  }
+  return middles.size() == 2 ? pose_at(middles, scan.time) : pose_at(knots_, scan.time);
+}
+
 // The oldest scan's pose is as good as it will get: it goes into the map.
 FinalScan LidarOdometry::leave_window() {
   const WindowScan scan = window_.front();
@@ -247,12 +274,14 @@ FinalScan LidarOdometry::leave_window() {
   const Pose T_odom_lidar = pose_at(knots_, scan.time);
   FinalScan final;
   final.stamp = scan.cloud->stamp;
-  final.T_odom_base = T_odom_lidar * T_lidar_base_;
   final.covariance = scan.covariance;
   final.degenerate = scan.degenerate;
   final.explained = scan.explained;
   final.cloud = deskew(*scan.cloud, scan.time, knots_);
   if (scan.enters_map) insert(map_, *final.cloud, T_odom_lidar);
+  const Pose T_odom_stamp = scan.middle ? pose_between_middles(scan) : T_odom_lidar;
+  final.T_odom_base = T_odom_stamp * T_lidar_base_;
+  if (scan.middle) final.cloud = moved(*final.cloud, T_odom_stamp.inverse() * T_odom_lidar);
   if (!vertical_) vertical_ = vertical_of(map_, up());
   // A gyro is compared with motions between poses that are known, not with predictions.
   if (scan.explained && last_explained_)

@@ -101,6 +101,7 @@ TEST(Odometry, TheMotionWithinTheScanIsWorthFinding) {
   EXPECT_LT(error["window"], 0.02);
   EXPECT_GT(error["velocity"], 1.5 * error["window"]);
   EXPECT_GT(error["none"], 3 * error["window"]);
+  EXPECT_LT(error["velocity"], 0.07) << "final poses come from the scans' middles";
   for (const auto& [model, worst] : error) EXPECT_LT(worst, 0.5) << model << " is lost";
 }
 

@@ -30,6 +30,12 @@ struct TrajectoryEvaluation {
 /// Throws std::runtime_error when no estimated pose has a true one of its time.
 TrajectoryEvaluation evaluate_trajectory(const Trajectory& estimate, const Trajectory& truth);
 
+/// ATE of the keyframes [m] as mapped, and with the truth's associations of walls in place of the mapping's.
+struct AssociationLoss {
+  double mapped = 0;
+  double corrected = 0;
+};
+
 /// All figures of one run; what the run folder doesn't hold stays empty, and `remarks` says why.
 struct Evaluation {
   std::string run;
@@ -42,6 +48,7 @@ struct Evaluation {
   std::optional<PlaceScore> corridors;
   std::optional<WallScore> walls;
   std::optional<AssociationScore> associations;
+  std::optional<AssociationLoss> association_loss;
   std::vector<WallFace> faces;
   std::vector<std::string> remarks;
 };

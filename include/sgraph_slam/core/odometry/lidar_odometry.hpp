@@ -38,6 +38,7 @@ class LidarOdometry : public MotionSource {
     Matrix6 covariance = Matrix6::Zero();  // of its pose, base frame
     std::vector<Vector6> degenerate;
     Matrix6 held = Matrix6::Identity();  // projection of a knot's step onto the directions that its points hold
+    std::optional<Knot> middle;          // of a scan that gets one pose: its time, and the pose seen from that at the stamp, by the motion taken out
 
     // When a point was seen; one moment for all where the cloud has no times.
     [[nodiscard]] double time_of(const Point& point) const { return begin < end ? time + static_cast<double>(point.time) : time; }
@@ -58,6 +59,7 @@ class LidarOdometry : public MotionSource {
   void rate(WindowScan& newest, const WindowResult& solved, const std::vector<Vector6>& free_directions) const;
   [[nodiscard]] OdometryEstimate live_estimate(const WindowScan& scan, const WindowResult& solved) const;
   FinalScan leave_window();
+  [[nodiscard]] Pose pose_between_middles(const WindowScan& scan) const;
   void shrink_window(std::size_t kept, std::vector<FinalScan>& finals);
   void insert(SurfaceMap& map, const Cloud& deskewed, const Pose& T_odom_lidar) const;
   void insert_now(const WindowScan& scan);

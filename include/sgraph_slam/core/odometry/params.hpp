@@ -42,8 +42,8 @@ struct MotionParams {
     v.choice(
         "model", model, {"window", "scan", "velocity", "none"},
         "How the motion within a scan is found. window: solved together with the last scan's; scan: solved for each scan alone, its begin held at "
-        "the last one's end; velocity: taken out beforehand with the last scan's velocity, then one pose a scan; none: not at all. All but the "
-        "first are less accurate and here for comparison.");
+        "the last one's end; velocity: taken out beforehand with the last scan's velocity, then one pose a scan, that of its middle; none: not at "
+        "all, likewise. All but the first are less accurate and here for comparison.");
     v.choice("residual", residual, {"normal", "distribution"},
              "normal: a point's distance along its surface's normal; distribution: between the Gaussians of the surface and of the point's own "
              "neighbourhood in the scan, both flattened to planes (VGICP), for comparison.");
