@@ -1,4 +1,6 @@
+#include <algorithm>
 #include <cmath>
+#include <map>
 
 #include "sgraph_slam/core/graph/solver.hpp"
 #include "sgraph_slam/core/mapping/association.hpp"
@@ -50,10 +52,12 @@ std::vector<PlaneCandidate> candidates_of(const MapState& state) {
   return candidates;
 }
 
-// A view with the plane that it is of, before it is in the graph.
+// A segment on its way into the graph.
 struct View {
-  PlaneId plane;
   PlaneSegment segment;
+  std::vector<Match> matches{};  // planes of the map that it may be of, the likeliest first
+  bool unsure = false;           // of its side
+  PlaneId plane{};               // that it is taken for
 };
 
 // Where the LiDAR was when the scans of a keyframe were taken, in its frame at the keyframe's stamp.
@@ -62,6 +66,27 @@ std::vector<Eigen::Vector3d> lidar_origins(const Keyframe& keyframe, const Pose&
   std::vector<Eigen::Vector3d> origins;
   for (const StampedPose& scan : keyframe.scans) origins.push_back((T_lidar_odom * scan.pose * T_base_lidar).translation);
   return origins;
+}
+
+// The likeliest plane for each view, but none for two that are apart: there the one that fits better has it, and the other its next match or none.
+void choose_planes(std::vector<View>& views, const MappingParams& params) {
+  std::vector<View*> open;
+  for (View& view : views) {
+    if (!view.matches.empty()) open.push_back(&view);
+  }
+  std::stable_sort(open.begin(), open.end(), [](const View* a, const View* b) { return a->matches.front().chi_square < b->matches.front().chi_square; });
+  std::map<PlaneId, std::vector<MeasuredPlane>> taken;
+  for (View* view : open) {
+    const MeasuredPlane measured{view->segment.plane, floored_covariance(view->segment, params.factors.plane_floor_angle, params.factors.plane_floor_distance)};
+    for (const Match& match : view->matches) {
+      auto& others = taken[match.id];
+      const double gate = params.association.chi_square;
+      if (std::any_of(others.begin(), others.end(), [&](const MeasuredPlane& other) { return are_apart(measured, other, gate); })) continue;
+      view->plane = match.id;
+      others.push_back(measured);
+      break;
+    }
+  }
 }
 
 // Whether a plane lies beside one that is known much better, in front of it or within it: what segmentation made of a wall and something before it,
@@ -130,46 +155,47 @@ AssociationResult add_observations(MapState& state, const PlaneSegments& segment
   const PlaneUncertainty uncertainty(state.graph, state.planes, state.drift, state.marginals, now);
   const auto predicted = [&uncertainty](PlaneId id, const Innovation& innovation) { return uncertainty(id, innovation); };
 
-  Transaction edit;
-  edit.reason = "planes of keyframe/" + std::to_string(now.value);
-  std::vector<View> views;
   const std::vector<Eigen::Vector3d> origins = lidar_origins(state.keyframes.rbegin()->second, state.T_base_lidar);
-  const RobustLoss loss{loss_kind_from(state.params.factors.plane_loss), state.params.factors.plane_loss_scale};
   const double usual = usual_sigma(segments.segments);
+  std::vector<View> views;
   for (const PlaneSegment& raw : segments.segments) {
-    const PlaneSegment segment = with_model_error(raw, usual);
-    if (!usable(segment)) {
+    View view{with_model_error(raw, usual)};
+    if (!usable(view.segment)) {
       ++result.ignored;
       continue;
     }
-    View view{{}, segment};
-    std::vector<Match> matches = associate(segment, T_map_base, state.T_base_lidar, candidates, predicted, params);
-    const bool unsure = side_is_unsure(segment, origins);
-    if (unsure) {
-      const PlaneSegment other = flipped(segment);
-      const std::vector<Match> from_behind = associate(other, T_map_base, state.T_base_lidar, candidates, predicted, params);
-      if (!from_behind.empty() && (matches.empty() || from_behind.front().cost < matches.front().cost)) {
-        matches = from_behind;
-        view.segment = other;
+    view.matches = associate(view.segment, T_map_base, state.T_base_lidar, candidates, predicted, params);
+    view.unsure = side_is_unsure(view.segment, origins);
+    if (view.unsure) {
+      PlaneSegment other = flipped(view.segment);
+      std::vector<Match> from_behind = associate(other, T_map_base, state.T_base_lidar, candidates, predicted, params);
+      if (!from_behind.empty() && (view.matches.empty() || from_behind.front().cost < view.matches.front().cost)) {
+        view.matches = std::move(from_behind);
+        view.segment = std::move(other);
       }
     }
-    PlaneId plane;
-    if (!matches.empty()) {
-      plane = matches.front().id;
+    views.push_back(std::move(view));
+  }
+  choose_planes(views, state.params);
+
+  Transaction edit;
+  edit.reason = "planes of keyframe/" + std::to_string(now.value);
+  const RobustLoss loss{loss_kind_from(state.params.factors.plane_loss), state.params.factors.plane_loss_scale};
+  for (View& view : views) {
+    if (view.plane.valid()) {
       ++result.matched;
-      result.returned |= state.drift.path(state.planes.find(plane)->last_seen, now) > returned_path;
-    } else if (!unsure && outline_area(segment.extent) >= params.min_new_area) {
-      plane = state.graph.new_plane_id();
-      edit.planes[plane] = T_map_base * state.T_base_lidar * segment.plane;
+      result.returned |= state.drift.path(state.planes.find(view.plane)->last_seen, now) > returned_path;
+    } else if (!view.unsure && outline_area(view.segment.extent) >= params.min_new_area) {
+      view.plane = state.graph.new_plane_id();
+      edit.planes[view.plane] = T_map_base * state.T_base_lidar * view.segment.plane;
       ++result.created;
     } else {
       ++result.ignored;
       continue;
     }
-    view.plane = plane;
-    add_factor(edit, observation(state, now, plane, view.segment), loss);
-    views.push_back(std::move(view));
+    add_factor(edit, observation(state, now, view.plane, view.segment), loss);
   }
+  views.erase(std::remove_if(views.begin(), views.end(), [](const View& view) { return !view.plane.valid(); }), views.end());
   const Applied applied = commit(state, edit);
   if (!applied.ok()) return {};
   for (std::size_t i = 0; i < views.size(); ++i) {

@@ -102,6 +102,12 @@ PlaneSegment flipped(const PlaneSegment& segment) {
   return other;
 }
 
+bool are_apart(const MeasuredPlane& a, const MeasuredPlane& b, double chi_square) {
+  const Innovation difference = plane_innovation(b.plane, Pose{}, Pose{}, a.plane);
+  const Eigen::Matrix3d S = difference.d_plane * b.covariance * difference.d_plane.transpose() + a.covariance;
+  return difference.residual.dot(S.ldlt().solve(difference.residual)) > chi_square;
+}
+
 std::vector<Match> associate(const PlaneSegment& segment, const Pose& T_map_base, const Pose& T_base_lidar,
                              const std::vector<PlaneCandidate>& candidates, const PredictedCovariance& predicted, const AssociationParams& params) {
   const Pose T_map_lidar = T_map_base * T_base_lidar;

@@ -30,14 +30,16 @@ struct Merged {
 
 // Pairs within their gate, the surest first; a plane takes part in one merge at a time.
 std::vector<Merged> merge_step(MapState& state, const std::set<PlanePair>& candidates, const std::set<PlanePair>& shown) {
+  const MergeParams& params = state.params.merging;
   std::vector<Merged> done;
   const Marginals* marginals = state.marginals.get(state.graph, 0);
   if (!marginals) return done;
   std::vector<std::pair<double, PlanePair>> within;
   for (const PlanePair& pair : candidates) {
-    const auto chi_square = merge_chi_square(state.graph, state.planes, *marginals, pair, state.params.merging);
-    const double gate = state.params.merging.chi_square * (shown.count(pair) > 0 ? shown_gain : 1);
-    if (chi_square && *chi_square < gate) {
+    const auto chi_square = merge_chi_square(state.graph, state.planes, *marginals, pair, params);
+    const double gate = params.chi_square * (shown.count(pair) > 0 ? shown_gain : 1);
+    if (chi_square && *chi_square < gate &&
+        !seen_apart(state.graph, *state.planes.find(pair.first), *state.planes.find(pair.second), params.chi_square)) {
       within.emplace_back(*chi_square, pair);
     } else {
       state.tested_merges[pair] = state.newest();

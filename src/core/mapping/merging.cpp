@@ -5,10 +5,14 @@
 #include <Eigen/Cholesky>
 
 #include "sgraph_slam/core/graph/solver.hpp"
+#include "sgraph_slam/core/mapping/association.hpp"
 #include "sgraph_slam/core/math/so3.hpp"
 
 namespace sgraph {
 namespace {
+
+constexpr int fewest_apart = 2;            // views that show two planes as two: by chance, or by something before the wall, one may
+constexpr double share_apart = 1.0 / 3.0;  // of the views of both: from far away they don't tell
 
 // Midway between the nearest regions of the two: the centre of the smaller one, moved half way to the other's.
 Eigen::Vector3d common_point(const PlaneRecord& a, const PlaneRecord& b) {
@@ -67,6 +71,28 @@ std::optional<double> merge_chi_square(const Graph& graph, const PlaneMap& plane
   const Eigen::Vector3d floor(params.sigma_angle, params.sigma_angle, params.sigma_distance);
   const Eigen::Matrix3d S = difference.derivative * *joint * difference.derivative.transpose() + Eigen::Matrix3d(floor.cwiseAbs2().asDiagonal());
   return difference.residual.dot(S.ldlt().solve(difference.residual));
+}
+
+bool seen_apart(const Graph& graph, const PlaneRecord& a, const PlaneRecord& b, double chi_square) {
+  const auto measured = [&graph](const PlaneObservation& seen) -> std::optional<MeasuredPlane> {
+    const Factor* factor = graph.find(seen.factor);
+    const auto* view = factor ? std::get_if<PosePlane>(&factor->data) : nullptr;
+    if (!view) return std::nullopt;
+    return MeasuredPlane{view->measured, view->weight.information().inverse()};
+  };
+  int together = 0;
+  int apart = 0;
+  for (const PlaneObservation& one : a.observations) {
+    if (b.keyframes.count(one.keyframe) == 0) continue;
+    const auto plane_a = measured(one);
+    if (!plane_a) continue;
+    for (const PlaneObservation& other : b.observations) {
+      if (other.keyframe != one.keyframe) continue;
+      const auto plane_b = measured(other);
+      if (plane_b) ++(are_apart(*plane_a, *plane_b, chi_square) ? apart : together);
+    }
+  }
+  return apart >= fewest_apart && apart >= share_apart * (apart + together);
 }
 
 double mean_observation_error(const Graph& graph, const std::set<PlaneId>& planes) {

@@ -94,6 +94,30 @@ TEST(Association, GateKeepsTheShareThatItPromises) {
   EXPECT_NEAR(kept / static_cast<double>(trials), 0.95, 0.02);
 }
 
+// Two pieces of a wall, 5 m between their middles, and the same with a step of 5 cm between them.
+TEST(Association, AStepIsToldFromNoiseWithinOneKeyframe) {
+  std::mt19937 random(5);
+  std::normal_distribution<double> normal(0, 0.02);
+  const auto piece = [&](double x, double from) {
+    std::vector<Eigen::Vector3d> points;
+    for (int i = 0; i < 40; ++i) {
+      for (int k = 0; k < 6; ++k) points.emplace_back(x + normal(random), from + 0.1 * i, 0.4 * k);
+    }
+    const PlaneSegment segment = fit_segment(points, 0.02);
+    return MeasuredPlane{segment.plane, segment.covariance};
+  };
+  int even = 0;
+  int stepped = 0;
+  const int trials = 400;
+  for (int trial = 0; trial < trials; ++trial) {
+    const MeasuredPlane here = piece(4, -5);
+    even += static_cast<int>(are_apart(here, piece(4, 0), 7.81));
+    stepped += static_cast<int>(are_apart(here, piece(4.05, 0), 7.81));
+  }
+  EXPECT_NEAR(even / static_cast<double>(trials), 0.05, 0.03);
+  EXPECT_GT(stepped / static_cast<double>(trials), 0.95);
+}
+
 class TwoWalls : public testing::Test {
  protected:
   TwoWalls() {

@@ -4,6 +4,7 @@
 
 #include <Eigen/Dense>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdlib>
 #include <iostream>
@@ -104,6 +105,33 @@ TEST(BackEnd, OptimisingTwiceChangesNothing) {
   EXPECT_EQ(once->version, twice->version);
   ASSERT_EQ(once->planes.size(), twice->planes.size());
   for (const auto& [id, keyframe] : once->keyframes) EXPECT_EQ(keyframe.T_map_base.translation, twice->keyframes.at(id).T_map_base.translation);
+}
+
+// Where a wall becomes thinner a plane fitted to both parts would lie aslant between them, and fit either; and the room would show both to be one side.
+TEST(BackEnd, TwoPartsOfAWallOfDifferentThicknessStayTwoPlanes) {
+  MappedBuilding building;
+  building.add_face({0, 0}, {8, 0});
+  building.add_face({8, 0}, {8, 3.5});
+  building.add_face({8.05, 3.5}, {8.05, 8});
+  building.add_face({8.05, 8}, {0, 8});
+  building.add_face({0, 8}, {0, 0});
+  const Eigen::Vector2d start(2, 2);
+  const auto walk = building.walk({start, {6.5, 2}, {6.5, 6}, {2, 6}, start, {6.5, 4}, {2, 4}, start}, 0.5, 0.4, {}, 6);
+  const Outcome result = run(walk, {});
+  EXPECT_EQ(result.snapshot->rooms.size(), 1U);
+  EXPECT_LT(result.ate, 0.005);
+  const Pose T_map_world = walk.front().keyframe.T_odom_base * walk.front().T_world_base.inverse();
+  const Eigen::Vector3d east = T_map_world.rotation * Eigen::Vector3d::UnitX();
+  const Eigen::Vector3d corner = T_map_world * Eigen::Vector3d(8, 3.5, 1);
+  std::vector<double> beyond;
+  for (const auto& [id, plane] : result.snapshot->planes) {
+    if (plane.plane.normal.dot(east) > -0.99 || plane.keyframes.size() < 5) continue;
+    EXPECT_NEAR(plane.plane.normal.dot(east), -1, 1e-5) << "aslant";
+    beyond.push_back(plane.plane.distance(corner));
+  }
+  std::sort(beyond.begin(), beyond.end());
+  ASSERT_EQ(beyond.size(), 2U);
+  EXPECT_NEAR(beyond[1] - beyond[0], 0.05, 0.006);
 }
 
 // Now and then segmentation lays a plane through a wall and a cupboard before it: seen once, a little off the wall. It isn't a second wall.

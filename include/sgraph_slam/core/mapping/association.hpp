@@ -69,6 +69,16 @@ bool side_is_unsure(const PlaneSegment& segment, const std::vector<Eigen::Vector
 /// The same surface, taken to be seen from its other side.
 PlaneSegment flipped(const PlaneSegment& segment);
 
+/// A plane as a keyframe measured it, LiDAR frame, with its covariance in the tangent [rad, rad, m].
+struct MeasuredPlane {
+  Plane plane;
+  Eigen::Matrix3d covariance;
+};
+
+/// Whether two planes that one keyframe measured can't be one: a step in a wall, a shelf beside it. Their common pose cancels, so this is sharper than
+/// the gate of each with a plane of the map, which may lie aslant between the two. `chi_square`: 3 degrees of freedom.
+bool are_apart(const MeasuredPlane& a, const MeasuredPlane& b, double chi_square);
+
 /// All candidates that pass, the likeliest first; equal ones by id (paper, Metric-Semantic Layer; design: Planes, data association).
 std::vector<Match> associate(const PlaneSegment& segment, const Pose& T_map_base, const Pose& T_base_lidar,
                              const std::vector<PlaneCandidate>& candidates, const PredictedCovariance& predicted, const AssociationParams& params);

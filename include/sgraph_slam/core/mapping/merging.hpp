@@ -30,6 +30,9 @@ std::vector<PlanePair> merge_candidates(const Graph& graph, const PlaneMap& plan
 std::optional<double> merge_chi_square(const Graph& graph, const PlaneMap& planes, const Marginals& marginals, PlanePair pair,
                                        const MergeParams& params);
 
+/// Whether the keyframes that saw both planes saw two: no drift makes two of one wall in one keyframe. Views in the points form don't tell.
+bool seen_apart(const Graph& graph, const PlaneRecord& a, const PlaneRecord& b, double chi_square);
+
 /// Mean chi-square a degree of freedom over the views of the planes, losses not applied; for the undo's gate.
 double mean_observation_error(const Graph& graph, const std::set<PlaneId>& planes);
 

@@ -72,7 +72,7 @@ struct AssociationParams {
   double max_distance = 0.6;
   double extent_margin = 1.2;
   double sigma_angle = 0.006;
-  double sigma_distance = 0.02;
+  double sigma_distance = 0.01;
   double min_new_area = 0.25;
   int drop_after = 30;
   int drop_views = 2;
@@ -152,7 +152,7 @@ struct MergeParams {
   double max_angle = 0.0873;
   double max_distance = 0.4;
   double sigma_angle = 0.006;
-  double sigma_distance = 0.015;
+  double sigma_distance = 0.01;
   double max_growth = 2.0;
   double max_error = 3.0;
 
