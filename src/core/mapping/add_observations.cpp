@@ -5,11 +5,13 @@
 #include "sgraph_slam/core/graph/solver.hpp"
 #include "sgraph_slam/core/mapping/association.hpp"
 #include "sgraph_slam/core/mapping/map_state.hpp"
+#include "sgraph_slam/core/mapping/passages.hpp"
 
 namespace sgraph {
 namespace {
 
 constexpr std::size_t known_better = 5;  // times as many views
+constexpr std::size_t few_views = 5;     // of a plane that the robot walked through: with more it is a wall with a passage
 constexpr double returned_path = 20.0;   // seeing a plane again after this way closes a loop [m]
 
 Matrix6 floored(Matrix6 covariance, const Keyframe& keyframe, const FactorParams& params) {
@@ -102,6 +104,14 @@ bool is_ghost(const MapState& state, const PlaneRecord& record) {
     if (outline_distance(wall, other.outline, record.outline) == 0) return true;
   }
   return false;
+}
+
+// Whether the plane was seen only where the robot has walked.
+bool is_walked_through(const PlaneRecord& record, const std::vector<Eigen::Vector2d>& path) {
+  if (!record.wall) return false;
+  Wall wall = *record.wall;
+  open_passages(wall, path);
+  return wall.support.empty();
 }
 
 }  // namespace
@@ -208,12 +218,24 @@ AssociationResult add_observations(MapState& state, const PlaneSegments& segment
   return result;
 }
 
+std::vector<Eigen::Vector2d> path_of(const MapState& state) {
+  std::vector<Eigen::Vector2d> path;
+  for (const auto& [id, T_map_base] : state.graph.keyframes()) path.emplace_back(T_map_base.translation.head<2>());
+  return path;
+}
+
 int drop_passing_planes(MapState& state, bool all) {
   const AssociationParams& params = state.params.association;
+  const std::vector<Eigen::Vector2d> path = path_of(state);
   Transaction edit;
   edit.reason = "planes seen in passing";
   std::vector<PlaneId> passing;
   for (const auto& [id, record] : state.planes.records()) {
+    if (record.keyframes.size() <= few_views && is_walked_through(record, path)) {
+      edit.remove_variables.emplace_back(id);
+      passing.push_back(id);
+      continue;
+    }
     if (record.keyframes.size() > static_cast<std::size_t>(params.drop_views)) continue;
     const auto unseen = state.newest().value - record.last_seen.value;
     const bool small_and_old = unseen >= params.drop_after && outline_area(record.outline) < params.drop_area;

@@ -5,6 +5,7 @@
 
 #include "sgraph_slam/core/graph/solver.hpp"
 #include "sgraph_slam/core/mapping/map_state.hpp"
+#include "sgraph_slam/core/mapping/passages.hpp"
 #include "sgraph_slam/core/mapping/topology.hpp"
 
 namespace sgraph {
@@ -107,7 +108,11 @@ class BackEnd::Implementation {
   }
 
   [[nodiscard]] std::vector<Wall> counted_walls() const {
-    return state_.planes.walls(static_cast<std::size_t>(state_.params.topology.min_views), state_.params.topology.min_height);
+    std::vector<Wall> walls = state_.planes.walls(static_cast<std::size_t>(state_.params.topology.min_views), state_.params.topology.min_height);
+    const std::vector<Eigen::Vector2d> path = path_of(state_);
+    for (Wall& wall : walls) open_passages(wall, path);
+    walls.erase(std::remove_if(walls.begin(), walls.end(), [](const Wall& wall) { return wall.support.empty(); }), walls.end());
+    return walls;
   }
 
   void update_frame() {

@@ -14,7 +14,7 @@ struct TrueAssociations {
 
 /// Optimises the graph that `snapshot` holds once more. Observations of walls go to the true faces (all in one plane are one), as `true_lines` finds
 /// them; those of floors, furniture and what lies on no face stay as they are. Rooms and corridors are left out in both.
-/// Nothing when the graph has no odometry, or the solver fails.
+/// Nothing when the snapshot's factors make no graph.
 std::optional<TrueAssociations> with_true_associations(const GraphSnapshot& snapshot, const Trajectory& truth, const Pose& T_truth_map,
                                                        const std::vector<WallFace>& faces, const WallScore& walls);
 

@@ -63,8 +63,11 @@ bool add_keyframe(MapState& state, const Keyframe& keyframe);
 /// Associates the segments of the newest keyframe, makes planes of what is new, adds the observations (paper, Metric-Semantic Layer).
 AssociationResult add_observations(MapState& state, const PlaneSegments& segments);
 
-/// Drops small planes that few keyframes have seen, long ago, and ghosts: planes of any size with few views beside one that is known much better;
-/// these at once if `all`. Returns how many.
+/// The keyframes' positions on the ground, in order.
+std::vector<Eigen::Vector2d> path_of(const MapState& state);
+
+/// Drops small planes that few keyframes have seen, long ago, and ghosts: planes of any size with few views beside one that is known much better (these
+/// at once if `all`), or that the robot has walked through. Returns how many.
 int drop_passing_planes(MapState& state, bool all);
 
 /// Merges planes that are one surface by their marginals, more readily those that a place shows to be one; solves; undoes what doesn't fit.

@@ -72,7 +72,7 @@ struct AssociationParams {
   double max_distance = 0.6;
   double extent_margin = 1.2;
   double sigma_angle = 0.006;
-  double sigma_distance = 0.01;
+  double sigma_distance = 0.015;
   double min_new_area = 0.25;
   int drop_after = 30;
   int drop_views = 2;
