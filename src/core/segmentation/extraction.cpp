@@ -32,7 +32,7 @@ PointSet thinned(const PointSet& points) {
 
 // A small piece belongs to a wall when it lies as the wall does: the strip that a plane cuts out of clutter is spread evenly between the limits
 // (rms 1.4 times the noise), or lies to one side.
-bool lies_on(const PointSet& points, const std::vector<Eigen::Vector3f>& viewpoints, const Piece& piece, const Surface& surface, double noise) {
+bool lies_on(const PointSet& points, const std::vector<Eigen::Vector3f>& viewpoints, const Piece& piece, const FlatSurface& surface, double noise) {
   if (piece.members.size() < 8) return false;
   const PlaneF plane(surface.plane);
   const Facing facing(plane, viewpoints);
@@ -149,11 +149,11 @@ class Search {
     if (inliers.size() < static_cast<std::size_t>(params_.min_points)) return false;
     const Pieces split = connected_pieces(points_, inliers, plane, params_);
 
-    std::vector<Surface> found;
+    std::vector<FlatSurface> found;
     std::vector<std::vector<const Piece*>> parts;
     std::vector<const Piece*> rest;
     for (const Piece& piece : split.pieces) {
-      Surface surface;
+      FlatSurface surface;
       surface.plane = plane.exact();
       surface.members = piece.members;
       if (piece.members.size() >= static_cast<std::size_t>(params_.min_points) && fit_trimmed(points_, viewpoints_, limits_, surface) &&
@@ -183,7 +183,7 @@ class Search {
   }
 
   // Takes the surface's points out of the search, with those that the noise put a little beyond its threshold: they would make ghosts beside it.
-  void claim(const Surface& surface) {
+  void claim(const FlatSurface& surface) {
     const PlaneF plane(surface.plane);
     const Facing facing(plane, viewpoints_);
     std::vector<std::uint32_t> near;
@@ -206,7 +206,7 @@ class Search {
   float threshold_ = 0;
   float least_support_ = 0;
   std::vector<PlaneF> refused_;  // of this round
-  std::vector<Surface> surfaces_;
+  std::vector<FlatSurface> surfaces_;
 };
 
 }  // namespace
@@ -219,7 +219,7 @@ void collect_on(const PointSet& points, const PlaneF& plane, const Facing& facin
   inliers.erase(std::remove_if(inliers.begin(), inliers.end(), beyond), inliers.end());
 }
 
-bool fit_trimmed(const PointSet& points, const std::vector<Eigen::Vector3f>& viewpoints, const Limits& limits, Surface& surface) {
+bool fit_trimmed(const PointSet& points, const std::vector<Eigen::Vector3f>& viewpoints, const Limits& limits, FlatSurface& surface) {
   const Eigen::Vector3d side = surface.plane.normal;
   const std::vector<std::uint32_t> all = surface.members;
   for (int step = 0; step < 4; ++step) {
@@ -247,7 +247,7 @@ bool fit_trimmed(const PointSet& points, const std::vector<Eigen::Vector3f>& vie
   return true;
 }
 
-bool large_enough(const PointSet& points, const Surface& surface, const Limits& limits) {
+bool large_enough(const PointSet& points, const FlatSurface& surface, const Limits& limits) {
   const SegmentationParams& params = limits.params;
   if (surface.members.size() < static_cast<std::size_t>(params.min_points) || surface.sigma > limits.rms()) return false;
   if (surface.noise > most_noise * limits.noise + 0.01) return false;

@@ -9,7 +9,7 @@
 namespace sgraph {
 
 /// A plane found, with the part of space that it covers.
-struct Surface {
+struct FlatSurface {
   Plane plane;       ///< faces the viewpoints of its points
   double sigma = 0;  ///< rms of the members' distances [m]
   double noise = 0;  ///< the same with each distance over its share of the noise, see Limits [m]
@@ -54,13 +54,13 @@ void collect_on(const PointSet& points, const PlaneF& plane, const Facing& facin
 
 /// Least-squares plane of the members, trimmed a few times to the points within its own threshold. The normal keeps to the side of the plane that the
 /// surface had. False, and the surface undefined, when fewer than three points remain or they lie on a line.
-bool fit_trimmed(const PointSet& points, const std::vector<Eigen::Vector3f>& viewpoints, const Limits& limits, Surface& surface);
+bool fit_trimmed(const PointSet& points, const std::vector<Eigen::Vector3f>& viewpoints, const Limits& limits, FlatSurface& surface);
 
 /// Whether a surface is large, dense and flat enough for a plane.
-bool large_enough(const PointSet& points, const Surface& surface, const Limits& limits);
+bool large_enough(const PointSet& points, const FlatSurface& surface, const Limits& limits);
 
 struct Extraction {
-  std::vector<Surface> surfaces;  ///< those with the most support first
+  std::vector<FlatSurface> surfaces;  ///< those with the most support first
   double noise = 0;               ///< estimated from the cloud, see Limits [m]
 };
 

@@ -11,7 +11,7 @@ namespace {
 
 constexpr double parallel = 0.9;  // cosine above which two planes don't meet in an edge
 
-Eigen::AlignedBox2f box_of(const PointSet& points, const Surface& surface, const PlaneAxes& axes) {
+Eigen::AlignedBox2f box_of(const PointSet& points, const FlatSurface& surface, const PlaneAxes& axes) {
   Eigen::AlignedBox2f box;
   for (const std::uint32_t i : surface.members) box.extend(axes(points.position(i)));
   return box;
@@ -19,13 +19,13 @@ Eigen::AlignedBox2f box_of(const PointSet& points, const Surface& surface, const
 
 // Whether the part lies on the common plane: its squared distances grow by less than a third of the noise, beyond what its own fit leaves to chance
 // (chi-square of three, 99.3 %).
-bool fits(const Surface& part, const Plane& common, double noise) {
+bool fits(const FlatSurface& part, const Plane& common, double noise) {
   const auto n = static_cast<double>(part.members.size());
   const double variance = part.sigma * part.sigma;
   return mean_squared_distance(part.scatter, common) - variance <= 0.1 * noise * noise + 12.0 * variance / n;
 }
 
-bool joinable(const PointSet& points, const Surface& a, const Surface& b, const Limits& limits, Plane& common) {
+bool joinable(const PointSet& points, const FlatSurface& a, const FlatSurface& b, const Limits& limits, Plane& common) {
   if (a.plane.normal.dot(b.plane.normal) < parallel) return false;
   const PlaneFit fit = fit_plane(a.scatter + b.scatter);
   if (!fit.valid) return false;
@@ -36,7 +36,7 @@ bool joinable(const PointSet& points, const Surface& a, const Surface& b, const 
   return gap_between(box_of(points, a, axes), box_of(points, b, axes)) <= static_cast<float>(limits.params.merge_gap);
 }
 
-void join(Surface& a, Surface& b, const Plane& common) {
+void join(FlatSurface& a, FlatSurface& b, const Plane& common) {
   a.plane = common;
   a.scatter += b.scatter;
   a.sigma = std::sqrt(mean_squared_distance(a.scatter, common));
@@ -52,12 +52,12 @@ struct Claims {
   std::vector<char> contested;  // it lies in another surface too
 };
 
-Claims claims_of(const PointSet& points, const std::vector<Eigen::Vector3f>& viewpoints, const std::vector<Surface>& surfaces, const Limits& limits) {
+Claims claims_of(const PointSet& points, const std::vector<Eigen::Vector3f>& viewpoints, const std::vector<FlatSurface>& surfaces, const Limits& limits) {
   Claims claims{std::vector<int>(points.size(), -1), std::vector<float>(points.size(), std::numeric_limits<float>::infinity()),
                 std::vector<char>(points.size(), 0)};
   std::vector<std::uint32_t> near;
   for (std::size_t s = 0; s < surfaces.size(); ++s) {
-    const Surface& surface = surfaces[s];
+    const FlatSurface& surface = surfaces[s];
     const PlaneF plane(surface.plane);
     const Facing facing(plane, viewpoints);
     const Limits::Distance limit = limits.distance(surface.noise);
@@ -66,7 +66,7 @@ Claims claims_of(const PointSet& points, const std::vector<Eigen::Vector3f>& vie
       if (!surface.covers(points.position(i))) continue;
       const float distance = std::abs(points.distance(plane, i)) / limit(facing.cosine(points, i));
       if (claims.owner[i] >= 0) {
-        const Surface& other = surfaces[static_cast<std::size_t>(claims.owner[i])];
+        const FlatSurface& other = surfaces[static_cast<std::size_t>(claims.owner[i])];
         if (std::abs(surface.plane.normal.dot(other.plane.normal)) < parallel) claims.contested[i] = 1;
       }
       if (distance < claims.distance[i]) {
@@ -80,7 +80,7 @@ Claims claims_of(const PointSet& points, const std::vector<Eigen::Vector3f>& vie
 
 }  // namespace
 
-std::vector<Surface> merge_coplanar(const PointSet& points, std::vector<Surface> surfaces, const Limits& limits) {
+std::vector<FlatSurface> merge_coplanar(const PointSet& points, std::vector<FlatSurface> surfaces, const Limits& limits) {
   bool changed = true;
   while (changed) {
     changed = false;
@@ -100,15 +100,15 @@ std::vector<Surface> merge_coplanar(const PointSet& points, std::vector<Surface>
   return surfaces;
 }
 
-std::vector<Surface> reassign(const PointSet& points, const std::vector<Eigen::Vector3f>& viewpoints, std::vector<Surface> surfaces,
+std::vector<FlatSurface> reassign(const PointSet& points, const std::vector<Eigen::Vector3f>& viewpoints, std::vector<FlatSurface> surfaces,
                               const Limits& limits, std::vector<int>& labels) {
   const Claims claims = claims_of(points, viewpoints, surfaces, limits);
-  for (Surface& surface : surfaces) surface.members.clear();
+  for (FlatSurface& surface : surfaces) surface.members.clear();
   for (std::size_t i = 0; i < points.size(); ++i) {
     if (claims.owner[i] >= 0 && !claims.contested[i])
       surfaces[static_cast<std::size_t>(claims.owner[i])].members.push_back(static_cast<std::uint32_t>(i));
   }
-  std::vector<Surface> kept;
+  std::vector<FlatSurface> kept;
   std::vector<int> number(surfaces.size(), -1);
   for (std::size_t s = 0; s < surfaces.size(); ++s) {
     if (!fit_trimmed(points, viewpoints, limits, surfaces[s])) continue;

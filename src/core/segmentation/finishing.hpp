@@ -7,11 +7,11 @@
 namespace sgraph {
 
 /// Joins surfaces that are parts of one: facing the same side, at most merge_gap apart, and each lying on the common plane within the noise.
-std::vector<Surface> merge_coplanar(const PointSet& points, std::vector<Surface> surfaces, const Limits& limits);
+std::vector<FlatSurface> merge_coplanar(const PointSet& points, std::vector<FlatSurface> surfaces, const Limits& limits);
 
 /// Gives every point to the nearest surface (by its limit there) that covers it, fits all surfaces anew without the points that lie in two that meet
 /// at an angle, and drops those that have become too small. `labels` gets each point's surface, or -1.
-std::vector<Surface> reassign(const PointSet& points, const std::vector<Eigen::Vector3f>& viewpoints, std::vector<Surface> surfaces,
+std::vector<FlatSurface> reassign(const PointSet& points, const std::vector<Eigen::Vector3f>& viewpoints, std::vector<FlatSurface> surfaces,
                               const Limits& limits, std::vector<int>& labels);
 
 }  // namespace sgraph

@@ -43,7 +43,7 @@ struct PatchGrid {
   }
 };
 
-PatchGrid patches_of(const PointSet& points, const Surface& surface) {
+PatchGrid patches_of(const PointSet& points, const FlatSurface& surface) {
   const PlaneF plane(surface.plane);
   PatchGrid grid{PlaneAxes(plane.normal)};
   Eigen::AlignedBox2f box;
@@ -167,11 +167,11 @@ void uncover(Mask& mask, PatchGrid& grid, const Plane& plane) {
 
 }  // namespace
 
-bool drop_other_levels(const PointSet& points, const std::vector<Eigen::Vector3f>& viewpoints, const Limits& limits, Surface& surface) {
+bool drop_other_levels(const PointSet& points, const std::vector<Eigen::Vector3f>& viewpoints, const Limits& limits, FlatSurface& surface) {
   PatchGrid grid = patches_of(points, surface);
   const int off = mark_off(grid.patches, std::max(limits.noise, 0.005));
   if (off < std::max(static_cast<double>(fewest), smallest_share * static_cast<double>(surface.members.size()))) return false;
-  Surface rest = surface;
+  FlatSurface rest = surface;
   for (Mask& mask : rest.masks) uncover(mask, grid, surface.plane);
   const auto gone = [&](std::uint32_t i) {
     const Patch* patch = grid.at(points.position(i));

@@ -23,7 +23,7 @@ std::vector<Viewpoint> usable(const std::vector<Viewpoint>& given) {
   return chosen;
 }
 
-PlaneSegment segment_of(const PointSet& points, const Surface& surface) {
+PlaneSegment segment_of(const PointSet& points, const FlatSurface& surface) {
   PlaneSegment segment;
   segment.plane = surface.plane;
   segment.scatter = surface.scatter;
@@ -57,7 +57,7 @@ PlaneSegments PlaneSegmenter::process(const Cloud& cloud, std::vector<int>* labe
   const Limits limits{params_, extraction.noise};
   // Cleaned of each other's points first: a far strip of the floor with some of the wall's foot in it wouldn't lie on the floor.
   std::vector<int> owners;
-  std::vector<Surface> surfaces = reassign(points, positions, std::move(extraction.surfaces), limits, owners);
+  std::vector<FlatSurface> surfaces = reassign(points, positions, std::move(extraction.surfaces), limits, owners);
   surfaces = reassign(points, positions, merge_coplanar(points, std::move(surfaces), limits), limits, owners);
 
   std::vector<std::size_t> order(surfaces.size());

@@ -20,19 +20,19 @@ struct FinalScan {
 };
 
 /// What an odometry adds to the uncertainty of a motion by the way that it takes; standard deviations.
-struct Drift {
+struct DriftRate {
   double rotation;     ///< [rad/m]
   double turning;      ///< [rad/rad]
   double translation;  ///< [m/m]
 };
 
-constexpr Drift map_drift{0.0005, 0, 0.003};         ///< of a pose held by a local map
-constexpr Drift reckoning_drift{0.005, 0.02, 0.03};  ///< of wheels or legs: scale, heading and slips, which hardly average out
+constexpr DriftRate map_drift{0.0005, 0, 0.003};         ///< of a pose held by a local map
+constexpr DriftRate reckoning_drift{0.005, 0.02, 0.03};  ///< of wheels or legs: scale, heading and slips, which hardly average out
 
 /// Decides by motion and time which scans become keyframes and gives every scan to exactly one.
 class KeyframeSelector {
  public:
-  KeyframeSelector(const KeyframeParams& params, const Pose& T_base_lidar, const Drift& drift = map_drift)
+  KeyframeSelector(const KeyframeParams& params, const Pose& T_base_lidar, const DriftRate& drift = map_drift)
       : params_(params), T_base_lidar_(T_base_lidar), drift_(drift) {}
 
   /// Takes the next final scan; returns the keyframe that it closes, if any. The first scan is always one; a scan whose pose is only a prediction
@@ -48,7 +48,7 @@ class KeyframeSelector {
 
   KeyframeParams params_;
   Pose T_base_lidar_;
-  Drift drift_;
+  DriftRate drift_;
   std::int64_t next_id_ = 0;
   std::optional<FinalScan> previous_;  // the last keyframe's scan
   std::vector<FinalScan> scans_;       // since then
