@@ -28,7 +28,7 @@ class MappingNodelet : public StageNodelet {
     tf_clock_.emplace(ros::Duration(options.tf_lookahead));
     publisher_ = std::make_unique<MapPublisher>(node, settings(), failed);
     back_end_ = std::make_unique<BackEndThread>(
-        settings().params.mapping, options.map_frame, [this](const MapState& state, double milliseconds) { changed(state, milliseconds); }, failed);
+        settings().params.mapping, options.map_frame, [this](const LiveMap& state, double milliseconds) { changed(state, milliseconds); }, failed);
     services_ = std::make_unique<MapServices>(getMTNodeHandle(), settings(), *back_end_, *publisher_, [this] { return live(); });
     timer_ = node.createTimer(ros::Duration(1 / options.tf_rate), [this](const ros::TimerEvent&) { send_transform(); });
 
@@ -84,7 +84,7 @@ class MappingNodelet : public StageNodelet {
   }
 
   void send_transform() {
-    const MapState state = back_end_->state();
+    const LiveMap state = back_end_->state();
     const std::lock_guard<std::mutex> lock(live_mutex_);
     const std::optional<ros::Time> stamp = tf_clock_->stamp(ros::Time::now());
     if (!stamp) return;
@@ -96,8 +96,10 @@ class MappingNodelet : public StageNodelet {
     broadcaster_.sendTransform(message);
   }
 
-  void changed(const MapState& state, double milliseconds) {
+  void changed(const LiveMap& state, double milliseconds) {
     publisher_->show(state);
+    for (const Decision& d : state.decided)
+      NODELET_INFO("%s %s: %s", d.accepted ? "accepted" : "refused", d.what.c_str(), d.reason.c_str());
     const GraphSnapshot& graph = *state.graph;
     health().worked(milliseconds);
     health().show("keyframes", static_cast<double>(graph.keyframes.size()));

@@ -1,5 +1,6 @@
 #include "sgraph_slam/ros/back_end_thread.hpp"
 
+#include <algorithm>
 #include <future>
 
 #include "sgraph_slam/core/util/stopwatch.hpp"
@@ -24,7 +25,7 @@ GraphSnapshotPtr in_frame(const GraphSnapshotPtr& graph, const std::string& fram
 
 }  // namespace
 
-BackEndThread::BackEndThread(const MappingParams& params, const std::string& map_frame, std::function<void(const MapState&, double)> changed,
+BackEndThread::BackEndThread(const MappingParams& params, const std::string& map_frame, std::function<void(const LiveMap&, double)> changed,
                              std::function<void(const std::string&)> failed)
     : params_(params),
       map_frame_(map_frame),
@@ -42,10 +43,10 @@ void BackEndThread::process(MatchedKeyframe keyframe) {
   worker_.push([this, keyframe = std::move(keyframe)] { take(keyframe); });
 }
 
-std::optional<MapState> BackEndThread::optimize(std::chrono::milliseconds limit) {
+std::optional<LiveMap> BackEndThread::optimize(std::chrono::milliseconds limit) {
   // Shared with the task, which may run when nobody waits any more.
-  const auto promise = std::make_shared<std::promise<MapState>>();
-  std::future<MapState> result = promise->get_future();
+  const auto promise = std::make_shared<std::promise<LiveMap>>();
+  std::future<LiveMap> result = promise->get_future();
   worker_.push([this, promise] {
     if (back_end_) {
       Stopwatch watch;
@@ -68,7 +69,7 @@ bool BackEndThread::reset(std::chrono::milliseconds limit) {
   return result.wait_for(limit) == std::future_status::ready;
 }
 
-MapState BackEndThread::state() const {
+LiveMap BackEndThread::state() const {
   const std::lock_guard<std::mutex> lock(mutex_);
   return state_;
 }
@@ -88,11 +89,17 @@ void BackEndThread::take(const MatchedKeyframe& matched) {
 
 void BackEndThread::start_over() {
   back_end_.reset();
+  told_ = 0;
   put(empty_graph(map_frame_), 0);
 }
 
 void BackEndThread::put(GraphSnapshotPtr graph, double milliseconds) {
-  const MapState state{in_frame(graph, map_frame_), T_base_lidar_};
+  LiveMap state{in_frame(graph, map_frame_), T_base_lidar_};
+  if (back_end_) {
+    const DecisionLog& all = back_end_->decisions();
+    state.decided.assign(all.begin() + static_cast<std::ptrdiff_t>(std::min(told_, all.size())), all.end());
+    told_ = all.size();
+  }
   {
     const std::lock_guard<std::mutex> lock(mutex_);
     state_ = state;

@@ -51,18 +51,18 @@ MapPublisher::MapPublisher(ros::NodeHandle node, const Settings& settings, std::
       floor_plan_(node.advertise<nav_msgs::OccupancyGrid>("floor_plan", 1, true)),
       worker_(
           1,
-          [this](MapState& state, bool hurry) {
+          [this](LiveMap& state, bool hurry) {
             publish(state, hurry);
             return Work::done;
           },
           std::move(failed)) {}
 
-bool MapPublisher::show_all(const MapState& state, std::chrono::milliseconds limit) {
+bool MapPublisher::show_all(const LiveMap& state, std::chrono::milliseconds limit) {
   worker_.push(state);
   return worker_.drain(limit);
 }
 
-void MapPublisher::publish(const MapState& state, bool all) {
+void MapPublisher::publish(const LiveMap& state, bool all) {
   const GraphSnapshot& graph = *state.graph;
   graph_.publish(to_message(graph));
   markers_.publish(graph_markers(graph, settings_.ros.layer_height));
@@ -95,7 +95,7 @@ void MapPublisher::publish_path(const GraphSnapshot& graph) {
   path_.publish(message);
 }
 
-void MapPublisher::publish_cloud_and_plan(const MapState& state) {
+void MapPublisher::publish_cloud_and_plan(const LiveMap& state) {
   const GraphSnapshot& graph = *state.graph;
   auto cloud = std::make_shared<Cloud>(map_cloud(graph, state.T_base_lidar, settings_.ros.map_leaf));
   cloud->frame = graph.frame;

@@ -36,7 +36,7 @@ bool MapServices::save(sgraph_slam::SaveMap::Request& request, sgraph_slam::Save
     response.message = "'" + request.path + "' leads out of the map directory '" + settings_.ros.map_directory + "'";
     return true;
   }
-  const std::optional<MapState> state = back_end_.optimize(limit);
+  const std::optional<LiveMap> state = back_end_.optimize(limit);
   if (!state) {
     response.message = "the back end is busy: nothing saved";
     return true;
@@ -75,7 +75,7 @@ bool MapServices::reset(std_srvs::Trigger::Request&, std_srvs::Trigger::Response
 }
 
 bool MapServices::optimize(std_srvs::Trigger::Request&, std_srvs::Trigger::Response& response) {
-  const std::optional<MapState> state = back_end_.optimize(limit);
+  const std::optional<LiveMap> state = back_end_.optimize(limit);
   response.success = state && publisher_.show_all(*state, limit);
   response.message = response.success ? contents(*state->graph) : "the back end is busy: it will be done later";
   return true;

@@ -12,9 +12,10 @@
 namespace sgraph {
 
 /// What readers get: a snapshot of the graph, and where the LiDAR is on the robot that made it.
-struct MapState {
+struct LiveMap {
   GraphSnapshotPtr graph;  ///< never null
   Pose T_base_lidar;
+  DecisionLog decided{};  ///< since the state before
 };
 
 /// Owns the back end on a thread of its own: no other thread touches the graph. Keyframes are never dropped: each stays in memory as part of the map
@@ -22,20 +23,20 @@ struct MapState {
 class BackEndThread {
  public:
   /// `changed` is called on the thread with each new state.
-  BackEndThread(const MappingParams& params, const std::string& map_frame, std::function<void(const MapState&, double milliseconds)> changed,
+  BackEndThread(const MappingParams& params, const std::string& map_frame, std::function<void(const LiveMap&, double milliseconds)> changed,
                 std::function<void(const std::string&)> failed);
 
   /// Takes a keyframe. One that doesn't come after the last (a recording that began again) starts a new map.
   void process(MatchedKeyframe keyframe);
 
   /// Optimises after all that waits. Nothing when it takes longer than `limit`; it is then done later all the same.
-  std::optional<MapState> optimize(std::chrono::milliseconds limit);
+  std::optional<LiveMap> optimize(std::chrono::milliseconds limit);
 
   /// Forgets the map; the next keyframe begins another. False when it takes longer than `limit`.
   bool reset(std::chrono::milliseconds limit);
 
   /// The newest state.
-  [[nodiscard]] MapState state() const;
+  [[nodiscard]] LiveMap state() const;
 
   [[nodiscard]] std::size_t waiting() const { return worker_.waiting(); }
 
@@ -48,13 +49,14 @@ class BackEndThread {
 
   const MappingParams params_;
   const std::string map_frame_;
-  const std::function<void(const MapState&, double)> changed_;
+  const std::function<void(const LiveMap&, double)> changed_;
 
   std::optional<BackEnd> back_end_;  // this and the next are used by the thread alone
   KeyframeId last_;
+  std::size_t told_ = 0;  // decisions
   Pose T_base_lidar_;
   mutable std::mutex mutex_;
-  MapState state_;  // guarded by mutex_
+  LiveMap state_;  // guarded by mutex_
   Worker<Task> worker_;
 };
 

@@ -17,16 +17,16 @@ class MapPublisher {
  public:
   MapPublisher(ros::NodeHandle node, const Settings& settings, std::function<void(const std::string&)> failed);
 
-  void show(const MapState& state) { worker_.push(state); }
+  void show(const LiveMap& state) { worker_.push(state); }
 
   /// Shows this state with all that belongs to it, and waits for that; false when it takes longer than `limit`.
-  bool show_all(const MapState& state, std::chrono::milliseconds limit);
+  bool show_all(const LiveMap& state, std::chrono::milliseconds limit);
 
  private:
-  void publish(const MapState& state, bool all);
+  void publish(const LiveMap& state, bool all);
   [[nodiscard]] bool much_has_changed(const GraphSnapshot& graph) const;
   void publish_path(const GraphSnapshot& graph);
-  void publish_cloud_and_plan(const MapState& state);
+  void publish_cloud_and_plan(const LiveMap& state);
 
   const Settings settings_;
   ros::Publisher graph_;
@@ -35,7 +35,7 @@ class MapPublisher {
   ros::Publisher map_points_;
   ros::Publisher floor_plan_;
   std::map<KeyframeId, Pose> shown_;  // keyframes when the cloud and the plan were last published; used by the worker alone
-  Worker<MapState> worker_;
+  Worker<LiveMap> worker_;
 };
 
 }  // namespace sgraph

@@ -17,6 +17,18 @@ std::string tum_text(const Trajectory& trajectory) {
   return text.str();
 }
 
+std::string decisions_csv(const DecisionLog& decisions) {
+  std::string text = "keyframe,verdict,what,reason\n";
+  const auto quoted = [](const std::string& words) {
+    std::string cell = "\"";
+    for (const char c : words) cell += c == '"' ? std::string("\"\"") : std::string(1, c);
+    return cell + '"';
+  };
+  for (const Decision& d : decisions)
+    text += std::to_string(d.keyframe.value) + (d.accepted ? ",accepted," : ",refused,") + quoted(d.what) + ',' + quoted(d.reason) + '\n';
+  return text;
+}
+
 void write_map(const std::string& folder, const GraphSnapshot& snapshot, const Trajectory& path, const Pose& T_base_lidar,
                const OutputParams& params) {
   make_folder(folder);
@@ -25,6 +37,7 @@ void write_map(const std::string& folder, const GraphSnapshot& snapshot, const T
   for (const auto& [id, keyframe] : snapshot.keyframes) keyframes.push_back({keyframe.stamp, keyframe.T_map_base});
   write_file(base + "keyframes.tum", tum_text(keyframes));
   write_file(base + "graph.json", graph_json(snapshot));
+  write_file(base + "decisions.csv", decisions_csv(snapshot.decisions));
   write_file(base + "map.pcd", pcd_bytes(map_cloud(snapshot, T_base_lidar, params.cloud_leaf)));
   const OccupancyGrid grid = make_occupancy_grid(snapshot, T_base_lidar, params);
   write_file(base + "map.pgm", pgm_bytes(grid));

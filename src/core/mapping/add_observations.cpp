@@ -234,6 +234,7 @@ int drop_passing_planes(MapState& state, bool all) {
     if (record.keyframes.size() <= few_views && is_walked_through(record, path)) {
       edit.remove_variables.emplace_back(id);
       passing.push_back(id);
+      state.log.push_back({state.newest(), false, "plane/" + std::to_string(id.value), "dropped: the robot has walked through it"});
       continue;
     }
     if (record.keyframes.size() > static_cast<std::size_t>(params.drop_views)) continue;

@@ -64,7 +64,10 @@ GraphSnapshotPtr make_snapshot(const MapState& state, std::int64_t version, cons
   add_planes(state, with_factors, *snapshot);
   add_places(state, *snapshot);
   snapshot->openings = state.openings;
-  if (with_factors) snapshot->factors_json = factors_to_json(state.graph);
+  if (with_factors) {
+    snapshot->factors_json = factors_to_json(state.graph);
+    snapshot->decisions = state.log;
+  }
   snapshot->last_solve = solve;
   return snapshot;
 }

@@ -66,14 +66,19 @@ TEST_F(FolderTest, AMapHasAllItsFiles) {
   const SmallRoom room(0.3);
   const Trajectory path_walked{{{1}, Pose()}, {{2}, Pose{Eigen::Quaterniond::Identity(), {1, 0, 0}}}};
   write_map(path("map"), room.snapshot, path_walked, room.T_base_lidar(), OutputParams());
-  for (const char* name : {"graph.json", "keyframes.tum", "map.pcd", "map.pgm", "map.yaml", "floor_plan.png", "floor_plan.svg"}) {
-    EXPECT_GT(fs::file_size(path(std::string("map/") + name)), 50U) << name;
+  for (const char* name : {"graph.json", "keyframes.tum", "map.pcd", "map.pgm", "map.yaml", "floor_plan.png", "floor_plan.svg", "decisions.csv"}) {
+    EXPECT_GT(fs::file_size(path(std::string("map/") + name)), 25U) << name;
   }
   EXPECT_EQ(parse_graph_json(read_file(path("map/graph.json"))).rooms.size(), 1U);
   const Trajectory keyframes = read_tum(path("map/keyframes.tum"));
   ASSERT_EQ(keyframes.size(), 1U);
   EXPECT_EQ(keyframes[0].stamp.nanoseconds, 1'700'000'000'123'456'789);
   EXPECT_LT((keyframes[0].pose.translation - room.snapshot.keyframes.at({0}).T_map_base.translation).norm(), 1e-6);
+}
+
+TEST(Decisions, AreARowEachWhateverTheWords) {
+  EXPECT_EQ(decisions_csv({{{3}, true, "room/0", "four walls (planes 1, 2, 3, 4)"}, {{7}, false, "plane/9", "a \"ghost\""}}),
+            "keyframe,verdict,what,reason\n3,accepted,\"room/0\",\"four walls (planes 1, 2, 3, 4)\"\n7,refused,\"plane/9\",\"a \"\"ghost\"\"\"\n");
 }
 
 TEST_F(FolderTest, TheMapCloudIsWhereTheGraphHasIt) {

@@ -2,8 +2,8 @@
 
 #include <memory>
 
-#include "sgraph_slam/core/mapping/decision.hpp"
 #include "sgraph_slam/core/mapping/params.hpp"
+#include "sgraph_slam/core/types/decision.hpp"
 #include "sgraph_slam/core/types/odometry.hpp"
 #include "sgraph_slam/core/types/scene.hpp"
 #include "sgraph_slam/core/types/segments.hpp"

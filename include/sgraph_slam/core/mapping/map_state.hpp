@@ -5,7 +5,6 @@
 #include <vector>
 
 #include "sgraph_slam/core/graph/graph.hpp"
-#include "sgraph_slam/core/mapping/decision.hpp"
 #include "sgraph_slam/core/mapping/dominant_frame.hpp"
 #include "sgraph_slam/core/mapping/odometry_drift.hpp"
 #include "sgraph_slam/core/mapping/params.hpp"
@@ -13,6 +12,7 @@
 #include "sgraph_slam/core/mapping/plane_uncertainty.hpp"
 #include "sgraph_slam/core/mapping/submap.hpp"
 #include "sgraph_slam/core/mapping/topological_layer.hpp"
+#include "sgraph_slam/core/types/decision.hpp"
 #include "sgraph_slam/core/types/odometry.hpp"
 #include "sgraph_slam/core/types/scene.hpp"
 
@@ -87,8 +87,7 @@ void add_wall_faces(MapState& state);
 /// Brings the graph's rooms and corridors in line with the layer and their constants with the walls.
 void synchronise(MapState& state);
 
-/// The whole state as readers see it; `with_factors`: the factors serialised and the views of the planes too,
-/// which takes time.
+/// The whole state as readers see it; `with_factors`: the factors serialised, the views of the planes and the decisions too, which takes time.
 GraphSnapshotPtr make_snapshot(const MapState& state, std::int64_t version, const SolveSummary& solve, bool with_factors);
 
 }  // namespace sgraph

@@ -8,10 +8,10 @@
 
 #include "sgraph_slam/core/graph/graph.hpp"
 #include "sgraph_slam/core/mapping/corridors.hpp"
-#include "sgraph_slam/core/mapping/decision.hpp"
 #include "sgraph_slam/core/mapping/merging.hpp"
 #include "sgraph_slam/core/mapping/rooms.hpp"
 #include "sgraph_slam/core/mapping/topology.hpp"
+#include "sgraph_slam/core/types/decision.hpp"
 
 namespace sgraph {
 

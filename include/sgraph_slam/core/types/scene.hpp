@@ -9,6 +9,7 @@
 #include <Eigen/Core>
 
 #include "sgraph_slam/core/types/cloud.hpp"
+#include "sgraph_slam/core/types/decision.hpp"
 #include "sgraph_slam/core/types/ids.hpp"
 #include "sgraph_slam/core/types/plane.hpp"
 #include "sgraph_slam/core/types/pose.hpp"
@@ -91,6 +92,7 @@ struct GraphSnapshot {
   std::map<CorridorId, SceneCorridor> corridors;
   std::vector<SceneOpening> openings;
   std::string factors_json = "[]";  ///< serialised factors: JSON array, enough to rebuild the graph
+  DecisionLog decisions;            ///< with the factors: all since the map began
   SolveSummary last_solve;
 };
 
