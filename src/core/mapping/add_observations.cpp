@@ -12,6 +12,7 @@ namespace {
 
 constexpr std::size_t known_better = 5;  // times as many views
 constexpr std::size_t few_views = 5;     // of a plane that the robot walked through: with more it is a wall with a passage
+constexpr double leaning = 0.026;        // [rad] of a plane against the wall that it lies at
 constexpr double returned_path = 20.0;   // seeing a plane again after this way closes a loop [m]
 
 Matrix6 floored(Matrix6 covariance, const Keyframe& keyframe, const FactorParams& params) {
@@ -93,14 +94,17 @@ void choose_planes(std::vector<View>& views, const MappingParams& params) {
 
 // Whether a plane lies beside one that is known much better, in front of it or within it: what segmentation made of a wall and something before it,
 // of a wall through a pane, of a person at a wall.
+// With more than a few views it may be a wall's thicker part, but not when it leans against the wall.
 bool is_ghost(const MapState& state, const PlaneRecord& record) {
   const AssociationParams& params = state.params.association;
+  const bool parallel_too = record.keyframes.size() <= static_cast<std::size_t>(params.drop_views);
   const Plane& plane = *state.graph.find(record.id);
   const Eigen::Vector3d center = outline_center(record.outline);
   for (const auto& [id, other] : state.planes.records()) {
     if (other.keyframes.size() < known_better * record.keyframes.size()) continue;
     const Plane& wall = *state.graph.find(id);
     if (wall.normal.dot(plane.normal) < std::cos(params.max_angle) || std::abs(wall.distance(center)) > params.ghost_distance) continue;
+    if (!parallel_too && wall.normal.dot(plane.normal) > std::cos(leaning)) continue;
     if (outline_distance(wall, other.outline, record.outline) == 0) return true;
   }
   return false;
@@ -237,9 +241,9 @@ int drop_passing_planes(MapState& state, bool all) {
       state.log.push_back({state.newest(), false, "plane/" + std::to_string(id.value), "dropped: the robot has walked through it"});
       continue;
     }
-    if (record.keyframes.size() > static_cast<std::size_t>(params.drop_views)) continue;
     const auto unseen = state.newest().value - record.last_seen.value;
-    const bool small_and_old = unseen >= params.drop_after && outline_area(record.outline) < params.drop_area;
+    const bool rarely_seen = record.keyframes.size() <= static_cast<std::size_t>(params.drop_views);
+    const bool small_and_old = rarely_seen && unseen >= params.drop_after && outline_area(record.outline) < params.drop_area;
     if (!small_and_old && (!(all || unseen >= params.drop_ghost_after) || !is_ghost(state, record))) continue;
     edit.remove_variables.emplace_back(id);
     passing.push_back(id);
