@@ -93,18 +93,17 @@ void choose_planes(std::vector<View>& views, const MappingParams& params) {
 }
 
 // Whether a plane lies beside one that is known much better, in front of it or within it: what segmentation made of a wall and something before it,
-// of a wall through a pane, of a person at a wall.
-// With more than a few views it may be a wall's thicker part, but not when it leans against the wall.
-bool is_ghost(const MapState& state, const PlaneRecord& record) {
+// of a wall through a pane, of a person at a wall. Seen more than rarely it may be a wall's thicker part, but not when it leans against the wall.
+bool is_ghost(const MapState& state, const PlaneRecord& record, bool rarely_seen) {
   const AssociationParams& params = state.params.association;
-  const bool parallel_too = record.keyframes.size() <= static_cast<std::size_t>(params.drop_views);
   const Plane& plane = *state.graph.find(record.id);
   const Eigen::Vector3d center = outline_center(record.outline);
   for (const auto& [id, other] : state.planes.records()) {
     if (other.keyframes.size() < known_better * record.keyframes.size()) continue;
     const Plane& wall = *state.graph.find(id);
-    if (wall.normal.dot(plane.normal) < std::cos(params.max_angle) || std::abs(wall.distance(center)) > params.ghost_distance) continue;
-    if (!parallel_too && wall.normal.dot(plane.normal) > std::cos(leaning)) continue;
+    const double cosine = wall.normal.dot(plane.normal);
+    if (cosine < std::cos(params.max_angle) || std::abs(wall.distance(center)) > params.ghost_distance) continue;
+    if (!rarely_seen && cosine > std::cos(leaning)) continue;
     if (outline_distance(wall, other.outline, record.outline) == 0) return true;
   }
   return false;
@@ -244,7 +243,7 @@ int drop_passing_planes(MapState& state, bool all) {
     const auto unseen = state.newest().value - record.last_seen.value;
     const bool rarely_seen = record.keyframes.size() <= static_cast<std::size_t>(params.drop_views);
     const bool small_and_old = rarely_seen && unseen >= params.drop_after && outline_area(record.outline) < params.drop_area;
-    if (!small_and_old && (!(all || unseen >= params.drop_ghost_after) || !is_ghost(state, record))) continue;
+    if (!small_and_old && (!(all || unseen >= params.drop_ghost_after) || !is_ghost(state, record, rarely_seen))) continue;
     edit.remove_variables.emplace_back(id);
     passing.push_back(id);
   }

@@ -1,9 +1,9 @@
 #pragma once
 
-#include <array>
-#include <cstdint>
 #include <optional>
 #include <vector>
+
+#include <Eigen/Core>
 
 #include "sgraph_slam/core/types/cloud.hpp"
 
