@@ -5,9 +5,9 @@
 
 #include <Eigen/Dense>
 
-#include "sgraph_slam/core/mapping/outline.hpp"
 #include "sgraph_slam/core/math/se3.hpp"
 #include "sgraph_slam/core/math/so3.hpp"
+#include "sgraph_slam/core/planes/outline.hpp"
 
 namespace sgraph {
 namespace {

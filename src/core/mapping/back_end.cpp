@@ -5,8 +5,8 @@
 
 #include "sgraph_slam/core/graph/solver.hpp"
 #include "sgraph_slam/core/mapping/map_state.hpp"
-#include "sgraph_slam/core/mapping/passages.hpp"
-#include "sgraph_slam/core/mapping/topology.hpp"
+#include "sgraph_slam/core/places/topology.hpp"
+#include "sgraph_slam/core/planes/passages.hpp"
 
 namespace sgraph {
 namespace {

@@ -4,7 +4,7 @@
 #include <numeric>
 #include <sstream>
 
-#include "sgraph_slam/core/eval/statistics.hpp"
+#include "sgraph_slam/core/util/statistics.hpp"
 #include "sgraph_slam/core/pipeline/run_folder.hpp"
 #include "sgraph_slam/core/util/resources.hpp"
 

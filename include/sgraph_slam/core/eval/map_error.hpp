@@ -5,7 +5,7 @@
 #include <Eigen/Core>
 
 #include "sgraph_slam/core/eval/plan.hpp"
-#include "sgraph_slam/core/eval/statistics.hpp"
+#include "sgraph_slam/core/util/statistics.hpp"
 #include "sgraph_slam/core/types/pose.hpp"
 
 namespace sgraph {

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "sgraph_slam/core/eval/plan.hpp"
-#include "sgraph_slam/core/eval/statistics.hpp"
+#include "sgraph_slam/core/util/statistics.hpp"
 #include "sgraph_slam/core/types/pose.hpp"
 #include "sgraph_slam/core/types/scene.hpp"
 

@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "sgraph_slam/core/eval/statistics.hpp"
+#include "sgraph_slam/core/util/statistics.hpp"
 #include "sgraph_slam/core/types/pose.hpp"
 
 namespace sgraph {

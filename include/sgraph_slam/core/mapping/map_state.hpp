@@ -5,13 +5,13 @@
 #include <vector>
 
 #include "sgraph_slam/core/graph/graph.hpp"
-#include "sgraph_slam/core/mapping/dominant_frame.hpp"
-#include "sgraph_slam/core/mapping/odometry_drift.hpp"
 #include "sgraph_slam/core/mapping/params.hpp"
-#include "sgraph_slam/core/mapping/plane_map.hpp"
-#include "sgraph_slam/core/mapping/plane_uncertainty.hpp"
 #include "sgraph_slam/core/mapping/submap.hpp"
-#include "sgraph_slam/core/mapping/topological_layer.hpp"
+#include "sgraph_slam/core/places/topological_layer.hpp"
+#include "sgraph_slam/core/planes/dominant_frame.hpp"
+#include "sgraph_slam/core/planes/odometry_drift.hpp"
+#include "sgraph_slam/core/planes/plane_map.hpp"
+#include "sgraph_slam/core/planes/plane_uncertainty.hpp"
 #include "sgraph_slam/core/types/decision.hpp"
 #include "sgraph_slam/core/types/odometry.hpp"
 #include "sgraph_slam/core/types/scene.hpp"
@@ -20,7 +20,8 @@ namespace sgraph {
 
 /// All that the back end knows; the functions of its steps work on it. Copied by nobody.
 struct MapState {
-  MapState(const MappingParams& p, const Pose& extrinsic) : params(p), T_base_lidar(extrinsic), planes(p.semantics), submap(p.submap, extrinsic), layer(p) {}
+  MapState(const MappingParams& p, const Pose& extrinsic)
+      : params(p), T_base_lidar(extrinsic), planes(p.semantics), submap(p.submap, extrinsic), layer({p.topology, p.rooms, p.corridors, p.merging}) {}
 
   MappingParams params;
   Pose T_base_lidar;
@@ -66,8 +67,8 @@ AssociationResult add_observations(MapState& state, const PlaneSegments& segment
 /// The keyframes' positions on the ground, in order.
 std::vector<Eigen::Vector2d> path_of(const MapState& state);
 
-/// Drops small planes that few keyframes have seen, long ago, and ghosts: planes of any size with few views beside one that is known much better (these
-/// at once if `all`), or that the robot has walked through. Returns how many.
+/// Drops small planes that few keyframes have seen, long ago, and ghosts: planes of any size with few views beside one that is known much better
+/// (these at once if `all`), or that the robot has walked through. Returns how many.
 int drop_passing_planes(MapState& state, bool all);
 
 /// Merges planes that are one surface by their marginals, more readily those that a place shows to be one; solves; undoes what doesn't fit.

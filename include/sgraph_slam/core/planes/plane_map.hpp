@@ -1,0 +1,70 @@
+#pragma once
+
+#include <map>
+#include <optional>
+#include <set>
+#include <vector>
+
+#include "sgraph_slam/core/graph/graph.hpp"
+#include "sgraph_slam/core/planes/dominant_frame.hpp"
+#include "sgraph_slam/core/planes/outline.hpp"
+#include "sgraph_slam/core/planes/params.hpp"
+#include "sgraph_slam/core/planes/wall.hpp"
+
+namespace sgraph {
+
+/// One view of a plane from one keyframe.
+struct PlaneObservation {
+  KeyframeId keyframe;
+  FactorId factor;
+  Outline outline_base;  ///< in the keyframe's base frame, so that it moves with the keyframe
+};
+
+/// What mapping knows of a plane beside its estimate in the graph.
+struct PlaneRecord {
+  PlaneId id;
+  PlaneClass plane_class = PlaneClass::unclassified;
+  std::vector<PlaneObservation> observations;  ///< in order of arrival
+  std::set<KeyframeId> keyframes;
+  KeyframeId last_seen;
+  Outline outline;                                            ///< all that has been seen of it, map frame
+  Eigen::Matrix3d last_covariance = Eigen::Matrix3d::Zero();  ///< of the newest view given its keyframe; tangent of the plane in the map [rad, m]
+  std::optional<Wall> wall;                                   ///< when it is vertical
+};
+
+/// The records of the graph's planes: extents, classes, views. Holds no estimate.
+class PlaneMap {
+ public:
+  explicit PlaneMap(const SemanticsParams& params) : params_(params) {}
+
+  /// Notes a view of a plane that is in the graph; a first view makes the record. `outline_lidar`, `covariance` (tangent of the plane in the LiDAR's
+  /// frame): as the segment gives them.
+  void observe(const Graph& graph, PlaneId id, KeyframeId keyframe, FactorId factor, const Outline& outline_lidar, const Pose& T_base_lidar,
+               const Plane& measured, const Eigen::Matrix3d& covariance);
+
+  /// Brings extents, walls and classes up to the graph's estimates. Merged planes' records are joined, undone ones restored.
+  void refresh(const Graph& graph, const DominantFrame& frame);
+  /// Class of one plane, after a view.
+  void reclassify(const Graph& graph, PlaneId id, const DominantFrame& frame);
+
+  void merge(const Graph& graph, PlaneId kept, PlaneId merged);
+  void erase(PlaneId id) { records_.erase(id); }
+  void undo_merge(const Graph& graph, PlaneId kept, PlaneId merged);
+
+  [[nodiscard]] const std::map<PlaneId, PlaneRecord>& records() const { return records_; }
+  [[nodiscard]] const PlaneRecord* find(PlaneId id) const;
+  /// The walls that at least this many keyframes have seen and that are at least this high [m], by id.
+  [[nodiscard]] std::vector<Wall> walls(std::size_t min_views = 1, double min_height = 0) const;
+
+ private:
+  void rebuild(const Graph& graph, PlaneRecord& record) const;
+
+  SemanticsParams params_;
+  std::map<PlaneId, PlaneRecord> records_;
+  std::map<PlaneId, PlaneRecord> retired_;  ///< by the plane merged away, as it was
+};
+
+/// Directions and lengths of the walls, for the dominant frame.
+std::vector<WallDirection> wall_directions(const PlaneMap& planes);
+
+}  // namespace sgraph
