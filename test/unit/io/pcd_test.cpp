@@ -25,5 +25,24 @@ TEST(Pcd, ReadsPointsAndDropsInvalidOnes) {
   EXPECT_THROW(read_pcd_positions("/nonexistent/map.pcd"), std::runtime_error);
 }
 
+std::string refused(const std::string& header, const std::string& data) {
+  try {
+    read_pcd_positions(written("wrong.pcd", "VERSION 0.7\n" + header + data));
+    return {};
+  } catch (const std::runtime_error& error) {
+    return error.what();
+  }
+}
+
+TEST(Pcd, RefusesHeadersThatContradictTheData) {
+  const std::string fields = "FIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nCOUNT 1 1 1\n";
+  EXPECT_NE(refused(fields + "WIDTH 2\nHEIGHT 1\nPOINTS 2\n", "DATA binary\n0123456789ab").find("2 points are announced, 1 came"), std::string::npos);
+  EXPECT_NE(refused(fields + "WIDTH 2\nHEIGHT 9\nPOINTS 2\n", "DATA ascii\n1 2 3\n").find("WIDTH times HEIGHT"), std::string::npos);
+  EXPECT_NE(refused(fields + "WIDTH 1\n", "DATA ascii\n1 2\n").find("has 2 values"), std::string::npos);
+  EXPECT_NE(refused("FIELDS x y\nSIZE 4 4\nTYPE F F\nWIDTH 1\n", "DATA ascii\n1 2\n").find("no x, y and z"), std::string::npos);
+  EXPECT_NE(refused("FIELDS x y z\nSIZE 4\nTYPE F F F\nWIDTH 1\n", "DATA ascii\n1 2 3\n").find("differ in length"), std::string::npos);
+  EXPECT_NE(refused(fields, "").find("header doesn't end"), std::string::npos);
+}
+
 }  // namespace
 }  // namespace sgraph

@@ -7,7 +7,7 @@
 
 namespace sgraph {
 
-/// Positions of a point cloud file (PCD, any encoding) without the invalid ones. Throws std::runtime_error when it can't be read.
+/// Positions of a point cloud file (PCD, ascii or binary) without the invalid ones. Throws std::runtime_error with the reason when it can't be read.
 std::vector<Eigen::Vector3f> read_pcd_positions(const std::string& path);
 
 }  // namespace sgraph
