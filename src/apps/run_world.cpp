@@ -31,6 +31,9 @@ struct Options {
   std::string odometry;
   std::string until = "mapping";
   std::string stamp = "last";
+  std::string sensor = "ideal";
+  std::string building = "auto";
+  std::uint64_t unit = 1;
   bool imu = false;
   int threads = 0;
   bool quiet = false;
@@ -53,7 +56,16 @@ void declare(CLI::App& app, Options& options) {
       ->capture_default_str()
       ->check(CLI::IsMember({"prefilter", "odometry", "segmentation", "mapping"}));
   sim::LidarSettings& lidar = options.simulation.lidar;
-  app.add_option("--noise", lidar.range_noise, "Standard deviation of the ranges [m]")->capture_default_str()->check(CLI::Range(0.0, 1.0));
+  CLI::Option* noise = app.add_option("--noise", lidar.range_noise, "Standard deviation of the ideal sensor's ranges [m]")
+                           ->capture_default_str()
+                           ->check(CLI::Range(0.0, 1.0));
+  app.add_option("--sensor", options.sensor, "ideal: white noise only; real: the errors of a real VLP-16 (docs/simulator.md)")
+      ->capture_default_str()
+      ->check(CLI::IsMember({"ideal", "real"}));
+  app.add_option("--unit", options.unit, "Number of the real sensor: each has its own errors")->capture_default_str()->excludes(noise);
+  app.add_option("--building", options.building, "ideal: as planned; real: with the errors of real buildings; auto: like the sensor")
+      ->capture_default_str()
+      ->check(CLI::IsMember({"auto", "ideal", "real"}));
   app.add_option("--rate", lidar.rate, "Revolutions a second")->capture_default_str()->check(CLI::Range(5.0, 20.0));
   app.add_option("--seed", lidar.seed, "Seed of all random numbers")->capture_default_str();
   app.add_option("--stamp", options.stamp, "Which firing stamps a cloud")->capture_default_str()->check(CLI::IsMember({"first", "last"}));
@@ -110,6 +122,9 @@ void write_simulation(const Options& options, const sim::SimulatedSource& source
                                     {"cpu_seconds", cpu},
                                     {"seed", options.simulation.lidar.seed},
                                     {"noise_m", options.simulation.lidar.range_noise},
+                                    {"sensor", options.sensor},
+                                    {"unit", options.unit},
+                                    {"building", options.building},
                                     {"rate_hz", options.simulation.lidar.rate}};
   write_file(options.out + "/simulation.json", json.dump(1) + '\n');
 }
@@ -134,10 +149,12 @@ void run(Options& options) {
   std::vector<Variant> variants = read_variants(options);
   make_folder(options.out);
   options.simulation.lidar.stamp = options.stamp == "first" ? sim::StampConvention::first : sim::StampConvention::last;
-  const sim::World world = sim::read_world(options.world);
+  if (options.sensor == "real") options.simulation.lidar.unit = sim::real_unit(options.unit);
+  sim::World world = sim::read_world(options.world);
+  if (options.building == "real" || (options.building == "auto" && options.sensor == "real")) world = sim::with_building_errors(world);
   sim::SimulatedSource source(world, options.simulation);
   write_tum(source.ground_truth(), options.out + "/ground_truth.tum");
-  write_file(options.out + "/truth.json", sim::truth_json(world, source.motion(), source.duration()));
+  write_file(options.out + "/truth.json", sim::truth_json(source));
   VariantSet set(std::move(variants), source.T_base_lidar());
   write_simulation(options, source, map_world(options.quiet, source, set));
   write(options, set);

@@ -25,6 +25,9 @@ struct Options {
   sim::SimulationSettings settings;
   std::string stamp = "last";
   std::string trajectory;
+  std::string sensor = "ideal";
+  std::string building = "auto";
+  std::uint64_t unit = 1;
   bool no_distortion = false;
   bool check = false;
   bool no_bag = false;
@@ -48,7 +51,9 @@ void run(Options& options) {
   sim::SimulationSettings& settings = options.settings;
   settings.lidar.motion_distortion = !options.no_distortion;
   settings.lidar.stamp = options.stamp == "first" ? sim::StampConvention::first : sim::StampConvention::last;
-  const sim::World world = sim::read_world(options.world);
+  if (options.sensor == "real") settings.lidar.unit = sim::real_unit(options.unit);
+  sim::World world = sim::read_world(options.world);
+  if (options.building == "real" || (options.building == "auto" && options.sensor == "real")) world = sim::with_building_errors(world);
   sim::SimulatedSource source = make_source(world, options);
   if (!options.quiet) {
     std::fprintf(stderr, "%s: %.0f s, %.0f m at up to %.2f m/s, %d scans\n", world.name.c_str(), source.duration(), source.motion().length(),
@@ -59,7 +64,7 @@ void run(Options& options) {
   std::filesystem::create_directories(options.out, error);
   if (error) throw std::runtime_error(options.out + ": can't be created (" + error.message() + ")");
   write_tum(source.ground_truth(), options.out + "/ground_truth.tum");
-  write_text(options.out + "/truth.json", sim::truth_json(world, source.motion(), source.duration()));
+  write_text(options.out + "/truth.json", sim::truth_json(source));
   if (options.no_bag) return;
   Progress progress(source.scan_count(), isatty(STDERR_FILENO) != 0);
   const Clock::time_point begin = Clock::now();
@@ -77,9 +82,16 @@ int main(int argc, char** argv) {
   CLI::App app{"Simulates a robot with a VLP-16 in WORLD and writes data.bag, ground_truth.tum and truth.json into OUT_DIR."};
   app.add_option("world", options.world, "World file (docs/worlds.md)")->required();
   app.add_option("out_dir", options.out, "Folder to write into; made when it isn't there");
-  app.add_option("--noise", options.settings.lidar.range_noise, "Standard deviation of the ranges [m]")
+  CLI::Option* noise = app.add_option("--noise", options.settings.lidar.range_noise, "Standard deviation of the ideal sensor's ranges [m]")
+                           ->capture_default_str()
+                           ->check(CLI::Range(0.0, 1.0));
+  app.add_option("--sensor", options.sensor, "ideal: white noise only; real: the errors of a real VLP-16 (docs/simulator.md)")
       ->capture_default_str()
-      ->check(CLI::Range(0.0, 1.0));
+      ->check(CLI::IsMember({"ideal", "real"}));
+  app.add_option("--unit", options.unit, "Number of the real sensor: each has its own errors")->capture_default_str()->excludes(noise);
+  app.add_option("--building", options.building, "ideal: as planned; real: with the errors of real buildings; auto: like the sensor")
+      ->capture_default_str()
+      ->check(CLI::IsMember({"auto", "ideal", "real"}));
   app.add_option("--rate", options.settings.lidar.rate, "Revolutions a second")->capture_default_str()->check(CLI::Range(5.0, 20.0));
   app.add_option("--seed", options.settings.lidar.seed, "Seed of all random numbers")->capture_default_str();
   app.add_option("--stamp", options.stamp, "Which firing stamps a cloud")->capture_default_str()->check(CLI::IsMember({"first", "last"}));

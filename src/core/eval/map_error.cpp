@@ -36,14 +36,19 @@ PlanSurfaces::PlanSurfaces(const Plan& plan, double reach) : reach_(reach), leve
   index();
 }
 
-void PlanSurfaces::add_box(const PlanWall& wall, double begin, double end, double bottom, double top, double thickness) {
+void PlanSurfaces::add_box(const PlanWall& wall, double begin, double end, double bottom, double top, double thickness, double height) {
   if (end - begin < 1e-9 || top - bottom < 1e-9) return;
   const Eigen::Vector2d center = wall.p + 0.5 * (begin + end) * wall.direction();
   solids_.push_back({{center.x(), center.y(), wall.bottom + 0.5 * (bottom + top)},
                      {0.5 * (end - begin), 0.5 * thickness, 0.5 * (top - bottom)},
                      wall.direction(),
                      false,
-                     PlanSurface::wall});
+                     PlanSurface::wall,
+                     wall.lean,
+                     wall.bottom + 0.5 * height,
+                     wall.bow,
+                     -0.5 * (begin + end),
+                     wall.length()});
 }
 
 // The wall's body without its openings, as boxes: between the openings at full height, over and under each.
@@ -53,13 +58,13 @@ void PlanSurfaces::add(const PlanWall& wall) {
   double begin = -wall.extend_p;
   for (const PlanOpening& o : wall.openings) {
     const double top = std::min(o.top, height);
-    add_box(wall, begin, o.begin, 0, height, thickness);
-    add_box(wall, o.begin, o.end, 0, o.bottom, thickness);
-    add_box(wall, o.begin, o.end, top, height, thickness);
-    if (o.pane) add_box(wall, o.begin, o.end, o.bottom, top, 0);
+    add_box(wall, begin, o.begin, 0, height, thickness, height);
+    add_box(wall, o.begin, o.end, 0, o.bottom, thickness, height);
+    add_box(wall, o.begin, o.end, top, height, thickness, height);
+    if (o.pane) add_box(wall, o.begin, o.end, o.bottom, top, 0, height);
     begin = o.end;
   }
-  add_box(wall, begin, wall.length() + wall.extend_q, 0, height, thickness);
+  add_box(wall, begin, wall.length() + wall.extend_q, 0, height, thickness, height);
 }
 
 void PlanSurfaces::index() {
@@ -97,7 +102,9 @@ double PlanSurfaces::distance(const Solid& solid, const Eigen::Vector3d& p) {
     beyond = {r.head<2>().norm() - solid.half.x(), -tall, std::abs(r.z()) - solid.half.z()};
   } else {
     const double x = r.head<2>().dot(solid.axis);
-    const double y = solid.axis.x() * r.y() - solid.axis.y() * r.x();
+    const double share = 2 * (x - solid.from) / solid.length - 1;
+    const double off_plan = solid.lean * (p.z() - solid.lean_height) + solid.bow * std::max(0.0, 1 - share * share);
+    const double y = solid.axis.x() * r.y() - solid.axis.y() * r.x() - off_plan;
     beyond = Eigen::Vector3d(std::abs(x), std::abs(y), std::abs(r.z())) - solid.half;
   }
   const double outside = beyond.cwiseMax(0).norm();
@@ -111,8 +118,8 @@ SurfaceDistance PlanSurfaces::nearest(const Eigen::Vector3d& p) const {
   };
   for (const PlanLevel& level : levels_) {
     if (!contains(level.outline, p.head<2>())) continue;
-    if (level.has_floor) offer(PlanSurface::floor, std::abs(p.z() - level.floor));
-    if (level.ceiling) offer(PlanSurface::ceiling, std::abs(p.z() - *level.ceiling));
+    if (level.has_floor) offer(PlanSurface::floor, std::abs(p.z() - level.floor - level.floor_shape(p.head<2>())));
+    if (level.ceiling) offer(PlanSurface::ceiling, std::abs(p.z() - *level.ceiling - level.ceiling_shape(p.head<2>())));
   }
   const Eigen::Vector2d cell = (p.head<2>() - origin_) / cell_size;
   if (cell.minCoeff() >= 0 && cell.x() < columns_ && cell.y() < rows_) {

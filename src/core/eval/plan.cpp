@@ -33,6 +33,8 @@ PlanWall wall_from(const json& j) {
   wall.extend_p = j.value("extend_p", 0.0);
   wall.extend_q = j.value("extend_q", 0.0);
   wall.glass = j.value("glass", false);
+  wall.lean = j.value("lean", 0.0);
+  wall.bow = j.value("bow", 0.0);
   if (!(wall.length() > 0) || !(wall.thickness >= 0)) throw std::runtime_error("a wall without length, or of negative thickness");
   for (const json& o : j.value("openings", json::array())) {
     wall.openings.push_back(
@@ -67,6 +69,16 @@ PlanPlace not_entered(PlanPlace place) {
   return place;
 }
 
+PlanShape shape_from(const json& storey, const char* key) {
+  PlanShape shape;
+  if (!storey.contains(key)) return shape;
+  const json& j = storey.at(key);
+  shape.origin = point2(j.at("origin"));
+  shape.slope = point2(j.at("slope"));
+  for (const json& w : j.at("waves")) shape.waves.push_back({point2(w.at("number")), w.at("phase").get<double>(), w.at("amplitude").get<double>()});
+  return shape;
+}
+
 PlanLevel level_from(const json& j) {
   PlanLevel level;
   level.floor = j.value("elevation", 0.0);
@@ -74,6 +86,8 @@ PlanLevel level_from(const json& j) {
   level.ceiling_known = true;
   if (j.value("ceiling", true)) level.ceiling = level.floor + j.at("height").get<double>();
   level.outline = polygon_from(j.at("outline"));
+  level.floor_shape = shape_from(j, "floor_shape");
+  level.ceiling_shape = shape_from(j, "ceiling_shape");
   return level;
 }
 
@@ -109,6 +123,12 @@ Plan plan_from(const json& j) {
 }
 
 }  // namespace
+
+double PlanShape::operator()(const Eigen::Vector2d& at) const {
+  double z = slope.dot(at - origin);
+  for (const Wave& wave : waves) z += wave.amplitude * std::sin(wave.number.dot(at) + wave.phase);
+  return z;
+}
 
 Plan read_plan(const std::string& path) {
   std::ifstream in(path);

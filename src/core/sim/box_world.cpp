@@ -27,7 +27,7 @@ World box_world(double length, double width, double height, const std::vector<Ei
   for (const Eigen::Vector2d& at : route) world.route.waypoints.push_back({at, 0, 0});
   if (route.empty()) world.route.waypoints.push_back({Eigen::Vector2d::Zero(), 0, 0});
   if (route.size() > 1) world.route.start_heading = std::atan2(route[1].y() - route[0].y(), route[1].x() - route[0].x());
-  check_routes(world, Motion(world.route, world.motion, 0));
+  check_routes(world, motion_along_route(world));
   return world;
 }
 

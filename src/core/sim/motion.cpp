@@ -85,7 +85,8 @@ double speed_for(const Route& route, MotionProfile profile) {
 
 }  // namespace
 
-Motion::Motion(const Route& route, const MotionProfile& profile, double floor_z) : profile_(profile), floor_z_(floor_z) {
+Motion::Motion(const Route& route, const MotionProfile& profile, double floor_z, Unevenness floor)
+    : profile_(profile), floor_z_(floor_z), floor_(std::move(floor)) {
   if (route.duration > 0) profile_.speed = speed_for(route, profile);
   const std::vector<PlanarState> states = drive_route(route, profile_);
   duration_ = states.back().time;
@@ -151,7 +152,7 @@ Pose Motion::pose_at(double time) const {
   const double lift = s[3] * profile_.sway_height * std::sin(2 * phase + 0.8);
   return {Eigen::AngleAxisd(s[2], Eigen::Vector3d::UnitZ()) * Eigen::AngleAxisd(pitch, Eigen::Vector3d::UnitY()) *
               Eigen::AngleAxisd(roll, Eigen::Vector3d::UnitX()),
-          Eigen::Vector3d(s[0], s[1], floor_z_ + profile_.base_height + lift)};
+          Eigen::Vector3d(s[0], s[1], floor_z_ + floor_(s.head<2>()) + profile_.base_height + lift)};
 }
 
 Vector6 Motion::twist_at(double time) const {
@@ -168,6 +169,11 @@ Vector6 Motion::twist_at(double time) const {
 Eigen::Vector3d Motion::acceleration_at(double time) const {
   constexpr double h = difference_step;
   return (pose_at(time - h).translation - 2 * pose_at(time).translation + pose_at(time + h).translation) / (h * h);
+}
+
+Motion motion_along_route(const World& world) {
+  const Storey& storey = world.storeys.at(world.route.storey);
+  return {world.route, world.motion, storey.elevation, storey.floor_shape};
 }
 
 }  // namespace sgraph::sim

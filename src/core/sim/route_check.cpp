@@ -12,6 +12,8 @@ namespace sgraph::sim {
 
 namespace {
 
+constexpr double person_radius = 0.22;  // [m]
+
 // A convex outline that stands in somebody's way.
 struct Obstacle {
   std::vector<Eigen::Vector2d> outline;
@@ -113,33 +115,33 @@ bool within(const std::vector<Eigen::Vector2d>& polygon, const Eigen::Vector2d& 
   return in;
 }
 
-void check_robot(const World& world, const Motion& motion, const std::vector<Obstacle>& obstacles) {
+void check_robot(const World& world, const Motion& motion, const std::vector<Obstacle>& obstacles, double radius) {
   const Storey& storey = world.storeys[world.route.storey];
   const double bottom = storey.elevation + 0.05;
   const double top = storey.elevation + world.motion.base_height + std::max(0.0, world.T_base_lidar.translation.z()) + 0.15;
   const std::vector<PersonTrack> people(world.people.begin(), world.people.end());
   for (double t = 0; t <= motion.duration(); t += 0.05) {
     const Eigen::Vector2d p = motion.pose_at(t).translation.head<2>();
-    if (const Obstacle* obstacle = hit(obstacles, p, world.motion.radius, bottom, top)) {
+    if (const Obstacle* obstacle = hit(obstacles, p, radius, bottom, top)) {
       refuse(world, p, t, obstacle->what + (obstacle->line > 0 ? " (line " + std::to_string(obstacle->line) + ")" : ""));
     }
     bool indoors = false;
     for (const auto& outline : storey.outlines) indoors = indoors || within(outline, p);
     if (!indoors) refuse(world, p, t, "the outline of the storey");
     for (std::size_t i = 0; i < people.size(); ++i) {
-      if ((people[i].at(t).position - p).norm() < world.motion.radius + 0.25) refuse(world, p, t, "person " + std::to_string(i + 1));
+      if ((people[i].at(t).position - p).norm() < radius + 0.25) refuse(world, p, t, "person " + std::to_string(i + 1));
     }
   }
 }
 
-void check_people(const World& world, const std::vector<Obstacle>& obstacles) {
+void check_people(const World& world, const std::vector<Obstacle>& obstacles, double radius) {
   for (const Person& person : world.people) {
     for (std::size_t i = 0; i + 1 < person.path.size(); ++i) {
       const Eigen::Vector2d leg = person.path[i + 1] - person.path[i];
       const int pieces = std::max(1, static_cast<int>(std::ceil(leg.norm() / 0.05)));
       for (int k = 0; k <= pieces; ++k) {
         const Eigen::Vector2d p = person.path[i] + leg * k / pieces;
-        if (const Obstacle* obstacle = hit(obstacles, p, 0.22, person.z + 0.05, person.z + person.height)) {
+        if (const Obstacle* obstacle = hit(obstacles, p, radius, person.z + 0.05, person.z + person.height)) {
           fail_at(world.file, person.line, "a person walks through " + obstacle->what + " at " + place(p));
         }
       }
@@ -167,8 +169,15 @@ void check_furniture(const World& world, const std::vector<Obstacle>& walls) {
 void check_routes(const World& world, const Motion& motion) {
   check_furniture(world, obstacles_of(world, true));
   const std::vector<Obstacle> obstacles = obstacles_of(world, false);
-  check_robot(world, motion, obstacles);
-  check_people(world, obstacles);
+  check_robot(world, motion, obstacles, world.motion.radius);
+  check_people(world, obstacles, person_radius);
+}
+
+void check_routes_as_built(const World& world) {
+  constexpr double lenience = 0.05;
+  const std::vector<Obstacle> obstacles = obstacles_of(world, false);
+  check_robot(world, motion_along_route(world), obstacles, world.motion.radius - lenience);
+  check_people(world, obstacles, person_radius - lenience);
 }
 
 }  // namespace sgraph::sim

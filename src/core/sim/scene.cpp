@@ -157,6 +157,7 @@ class Scene::Implementation {
       const double across = normal_[triangle].dot(rays.direction[i]);
       hits.cosine[i] = std::min(1.0, std::abs(across));
       hits.surface[i] = &surfaces_[owner_[triangle]];
+      hits.normal[i] = normal_[triangle];
       hits.distance[i] =
           std::abs(across) > 1e-6 ? (offset_[triangle] - normal_[triangle].dot(rays.origin[i])) / across : static_cast<double>(q.ray.tfar[i]);
     }

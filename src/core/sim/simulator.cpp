@@ -12,13 +12,12 @@ constexpr std::int64_t reading_delay = 1'000'000;
 
 double recorded(const Motion& motion, double wished) { return wished > 0 ? std::min(wished, motion.duration()) : motion.duration(); }
 
-Motion motion_of(const World& world) { return {world.route, world.motion, world.storeys.at(world.route.storey).elevation}; }
-
 int scans_in(double duration, double rate) { return static_cast<int>(std::floor(duration * rate + 1e-9)); }
 
 }  // namespace
 
-SimulatedSource::SimulatedSource(const World& world, const SimulationSettings& settings) : SimulatedSource(world, motion_of(world), settings) {}
+SimulatedSource::SimulatedSource(const World& world, const SimulationSettings& settings)
+    : SimulatedSource(world, motion_along_route(world), settings) {}
 
 SimulatedSource::SimulatedSource(const World& world, Motion motion, const SimulationSettings& settings)
     : world_(world),
@@ -50,7 +49,7 @@ Trajectory SimulatedSource::ground_truth() const {
 }
 
 SimulatedScans simulate_scans(const World& world, int count, const LidarSettings& settings, int first) {
-  const Motion motion = motion_of(world);
+  const Motion motion = motion_along_route(world);
   const Lidar lidar(
       world, [&motion](double time) { return motion.pose_at(time); }, settings);
   SimulatedScans result;

@@ -13,7 +13,13 @@ enum class Stream : std::uint64_t {
   odometry_errors = 5,
   odometry_noise = 6,
   imu_bias = 7,
-  imu_noise = 8
+  imu_noise = 8,
+  sensor_unit = 9,
+  texture = 10,
+  mixed_pixel = 11,
+  colour = 12,
+  building = 13,
+  session = 14
 };
 
 }  // namespace sgraph::sim

@@ -28,29 +28,122 @@ void add_prism(std::vector<Surface>& all, const std::vector<Eigen::Vector2d>& pl
   if (with_top) all.push_back({at_height(plan, top), kind, material});
 }
 
-void add_pane(std::vector<Surface>& all, const Wall& wall, double begin, double end, double bottom, double top) {
-  const Eigen::Vector2d a = wall.p + begin * wall.direction();
-  const Eigen::Vector2d b = wall.p + end * wall.direction();
-  const double low = wall.bottom + bottom;
-  const double high = wall.bottom + top;
-  all.push_back({{{a.x(), a.y(), low}, {b.x(), b.y(), low}, {b.x(), b.y(), high}, {a.x(), a.y(), high}}, SurfaceKind::glass, Material::glass});
+// The point of a wall at `along` its centre line, `across` to the left and `up` from its bottom, with the wall's lean and bow.
+Eigen::Vector3d on_wall(const Wall& wall, double along, double across, double up) {
+  const Eigen::Vector2d direction = wall.direction();
+  const double share = 2 * along / wall.length() - 1;
+  const double left = across + wall.lean * (up - 0.5 * wall.height) + wall.bow * std::max(0.0, 1 - share * share);
+  const Eigen::Vector2d p = wall.p + along * direction + left * Eigen::Vector2d(-direction.y(), direction.x());
+  return {p.x(), p.y(), wall.bottom + up};
 }
 
-void add_wall(std::vector<Surface>& all, const Wall& wall) {
-  if (wall.glass) {
-    for (const WallPiece& piece : pieces_of(wall, false)) add_pane(all, wall, piece.begin, piece.end, piece.bottom, piece.top);
+// Cuts an interval of a bowed wall into pieces that are straight to a tenth of a millimetre.
+std::vector<std::pair<double, double>> straight_pieces(const Wall& wall, double begin, double end) {
+  const int count =
+      wall.bow == 0 ? 1 : std::max(1, static_cast<int>(std::ceil((end - begin) / wall.length() * std::sqrt(std::abs(wall.bow) / 1e-4))));
+  std::vector<std::pair<double, double>> pieces;
+  for (int i = 0; i < count; ++i) pieces.emplace_back(begin + (end - begin) * i / count, begin + (end - begin) * (i + 1) / count);
+  return pieces;
+}
+
+void add_pane(std::vector<Surface>& all, const Wall& wall, const WallPiece& piece) {
+  for (const auto& [begin, end] : straight_pieces(wall, piece.begin, piece.end)) {
+    all.push_back({{on_wall(wall, begin, 0, piece.bottom), on_wall(wall, end, 0, piece.bottom), on_wall(wall, end, 0, piece.top),
+                    on_wall(wall, begin, 0, piece.top)},
+                   SurfaceKind::glass,
+                   Material::glass});
+  }
+}
+
+// How far a wall's body goes into floor and ceiling, so that uneven ones leave no gap [m].
+struct Margin {
+  double below = 0;
+  double above = 0;
+};
+
+// A piece of a wall's body, closed on all sides but, where it stands on the floor, at its bottom.
+void add_body(std::vector<Surface>& all, const Wall& wall, WallPiece piece, const Margin& margin) {
+  const double half = 0.5 * wall.thickness;
+  const bool on_floor = piece.bottom <= 0;
+  if (on_floor) piece.bottom -= margin.below;
+  if (piece.top >= wall.height) piece.top += margin.above;
+  const auto upright = [&](double along_a, double across_a, double along_b, double across_b) {
+    all.push_back({{on_wall(wall, along_a, across_a, piece.bottom), on_wall(wall, along_b, across_b, piece.bottom),
+                    on_wall(wall, along_b, across_b, piece.top), on_wall(wall, along_a, across_a, piece.top)},
+                   SurfaceKind::wall,
+                   wall.material});
+  };
+  const auto lid = [&](double begin, double end, double up) {
+    all.push_back({{on_wall(wall, begin, -half, up), on_wall(wall, end, -half, up), on_wall(wall, end, half, up), on_wall(wall, begin, half, up)},
+                   SurfaceKind::wall,
+                   wall.material});
+  };
+  const auto straight = straight_pieces(wall, piece.begin, piece.end);
+  for (const auto& [begin, end] : straight) upright(begin, -half, end, -half);
+  upright(piece.end, -half, piece.end, half);
+  for (const auto& [begin, end] : straight) upright(end, half, begin, half);
+  upright(piece.begin, half, piece.begin, -half);
+  for (const auto& [begin, end] : straight) {
+    if (!on_floor) lid(begin, end, piece.bottom);
+    lid(begin, end, piece.top);
+  }
+}
+
+void add_wall(std::vector<Surface>& all, const Wall& wall, const Margin& margin) {
+  for (const WallPiece& piece : pieces_of(wall, false)) {
+    if (wall.glass) {
+      add_pane(all, wall, piece);
+    } else {
+      add_body(all, wall, piece, margin);
+    }
+  }
+  if (wall.glass) return;
+  for (const Opening& opening : wall.openings) {
+    if (opening.pane) add_pane(all, wall, {opening.begin, opening.end, opening.bottom, opening.top});
+  }
+}
+
+// The part of a polygon on one side of an axis-parallel line.
+std::vector<Eigen::Vector2d> cut(const std::vector<Eigen::Vector2d>& polygon, int axis, double at, double sign) {
+  std::vector<Eigen::Vector2d> kept;
+  for (std::size_t i = 0; i < polygon.size(); ++i) {
+    const Eigen::Vector2d& a = polygon[i];
+    const Eigen::Vector2d& b = polygon[(i + 1) % polygon.size()];
+    const double da = sign * (a[axis] - at);
+    const double db = sign * (b[axis] - at);
+    if (da >= 0) kept.push_back(a);
+    if ((da > 0 && db < 0) || (da < 0 && db > 0)) kept.push_back(a + (b - a) * (da / (da - db)));
+  }
+  return kept;
+}
+
+// A floor or ceiling: the outline, or where it isn't flat, triangles over cells of half a metre.
+void add_level(std::vector<Surface>& all, const std::vector<Eigen::Vector2d>& outline, double z, const Unevenness& shape, SurfaceKind kind,
+               Material material) {
+  constexpr double cell = 0.5;
+  if (shape.flat()) {
+    all.push_back({at_height(outline, z), kind, material});
     return;
   }
-  const Eigen::Vector2d along = wall.direction();
-  const Eigen::Vector2d across = 0.5 * wall.thickness * Eigen::Vector2d(-along.y(), along.x());
-  for (const WallPiece& piece : pieces_of(wall, false)) {
-    const Eigen::Vector2d a = wall.p + piece.begin * along;
-    const Eigen::Vector2d b = wall.p + piece.end * along;
-    add_prism(all, {a - across, b - across, b + across, a + across}, wall.bottom + piece.bottom, wall.bottom + piece.top, SurfaceKind::wall,
-              wall.material, piece.bottom > 0, true);
+  Eigen::Vector2d low = outline.front();
+  Eigen::Vector2d high = outline.front();
+  for (const Eigen::Vector2d& p : outline) {
+    low = low.cwiseMin(p);
+    high = high.cwiseMax(p);
   }
-  for (const Opening& opening : wall.openings) {
-    if (opening.pane) add_pane(all, wall, opening.begin, opening.end, opening.bottom, opening.top);
+  const auto lifted = [&](const Eigen::Vector2d& p) { return Eigen::Vector3d(p.x(), p.y(), z + shape(p)); };
+  for (double x = low.x(); x < high.x(); x += cell) {
+    const std::vector<Eigen::Vector2d> strip = cut(cut(outline, 0, x, 1), 0, x + cell, -1);
+    if (strip.size() < 3) continue;
+    for (double y = low.y(); y < high.y(); y += cell) {
+      const std::vector<Eigen::Vector2d> piece = cut(cut(strip, 1, y, 1), 1, y + cell, -1);
+      for (std::size_t i = 1; i + 1 < piece.size(); ++i) {  // a fan: exact for convex pieces, and within the cell for others
+        const Eigen::Vector2d u = piece[i] - piece[0];
+        const Eigen::Vector2d v = piece[i + 1] - piece[0];
+        if (std::abs(u.x() * v.y() - u.y() * v.x()) > 1e-9)
+          all.push_back({{lifted(piece[0]), lifted(piece[i]), lifted(piece[i + 1])}, kind, material});
+      }
+    }
   }
 }
 
@@ -90,24 +183,42 @@ const char* to_string(SurfaceKind value) {
 
 std::vector<Surface> surfaces_of(const World& world) {
   std::vector<Surface> all;
+  int objects = 0;
+  std::size_t numbered = 0;
+  const auto end_object = [&] {
+    for (; numbered < all.size(); ++numbered) all[numbered].object = objects;
+    ++objects;
+  };
   for (const Storey& storey : world.storeys) {
     for (const auto& outline : storey.outlines) {
-      if (storey.floor) all.push_back({at_height(outline, storey.elevation), SurfaceKind::floor, Material::concrete});
-      if (storey.ceiling) all.push_back({at_height(outline, storey.elevation + storey.height), SurfaceKind::ceiling, Material::plaster});
+      if (storey.floor) add_level(all, outline, storey.elevation, storey.floor_shape, SurfaceKind::floor, Material::concrete);
+      end_object();
+      if (storey.ceiling) add_level(all, outline, storey.elevation + storey.height, storey.ceiling_shape, SurfaceKind::ceiling, Material::plaster);
+      end_object();
     }
-    for (const Wall& wall : storey.walls) add_wall(all, wall);
+    const double margin = storey.floor_shape.flat() && storey.ceiling_shape.flat() ? 0 : 0.05;
+    const auto reaches_ceiling = [&storey](double top) { return top > storey.elevation + storey.height - 0.01; };
+    for (const Wall& wall : storey.walls) {
+      add_wall(all, wall, {margin, reaches_ceiling(wall.bottom + wall.height) ? margin : 0});
+      end_object();
+    }
     for (const Block& column : storey.columns) {
       const double half = 0.5 * column.size.z();
-      add_prism(all, footprint(column), column.center.z() - half, column.center.z() + half, SurfaceKind::column, column.material, false, true);
+      add_prism(all, footprint(column), column.center.z() - half - margin,
+                column.center.z() + half + (reaches_ceiling(column.center.z() + half) ? margin : 0), SurfaceKind::column, column.material, false,
+                true);
+      end_object();
     }
     for (const Block& piece : storey.furniture) {
       const double half = 0.5 * piece.size.z();
       const double bottom = piece.center.z() - half;
-      add_prism(all, footprint(piece), bottom, piece.center.z() + half, SurfaceKind::furniture, piece.material, bottom > storey.elevation + 1e-3,
-                true);
+      add_prism(all, footprint(piece), bottom, piece.center.z() + half, SurfaceKind::furniture, piece.material,
+                bottom > storey.elevation + storey.floor_shape(piece.center.head<2>()) + 1e-3, true);
+      end_object();
     }
   }
   if (world.ground) add_ground(all, world);
+  end_object();
   return all;
 }
 

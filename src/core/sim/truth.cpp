@@ -37,8 +37,10 @@ json wall_json(const Wall& wall) {
   for (const Opening& o : wall.openings) {
     openings.push_back({{"begin", o.begin}, {"end", o.end}, {"bottom", o.bottom}, {"top", o.top}, {"pane", o.pane}});
   }
-  return {{"p", point(wall.p)},        {"q", point(wall.q)},        {"z", wall.bottom},    {"height", wall.height}, {"t", wall.thickness},
-          {"extend_p", wall.extend_p}, {"extend_q", wall.extend_q}, {"glass", wall.glass}, {"openings", openings}};
+  return {{"p", point(wall.p)},        {"q", point(wall.q)},  {"z", wall.bottom},
+          {"height", wall.height},     {"t", wall.thickness}, {"extend_p", wall.extend_p},
+          {"extend_q", wall.extend_q}, {"glass", wall.glass}, {"openings", openings},
+          {"lean", wall.lean},         {"bow", wall.bow}};
 }
 
 json block_json(const Block& block) {
@@ -52,6 +54,30 @@ json block_json(const Block& block) {
           {"outline", outline}};
 }
 
+json shape_json(const Unevenness& shape) {
+  json waves = json::array();
+  for (const Unevenness::Wave& w : shape.waves) waves.push_back({{"number", point(w.number)}, {"phase", w.phase}, {"amplitude", w.amplitude}});
+  return {{"origin", point(shape.origin)}, {"slope", point(shape.slope)}, {"waves", waves}};
+}
+
+json sensor_json(const LidarSettings& lidar) {
+  const SensorUnit& unit = lidar.unit;
+  json sensor = {{"kind", unit.kind == SensorKind::real ? "real" : "ideal"}};
+  if (unit.kind == SensorKind::ideal) {
+    sensor["range_noise_m"] = lidar.range_noise;
+    return sensor;
+  }
+  json elevations = json::array();
+  for (const double e : unit.elevation_offset) elevations.push_back(e * 180 / M_PI);
+  sensor["unit"] = unit.unit;
+  sensor["range_offset_m"] = unit.range_offset;
+  sensor["elevation_offset_deg"] = elevations;
+  sensor["laser_height_m"] = unit.origin_height;
+  sensor["laser_height_in_cloud"] = false;
+  sensor["sine"] = {{"cycles_per_firing", sine_frequency}, {"amplitude_m", unit.sine_amplitude}, {"phase_rad", unit.sine_phase}};
+  return sensor;
+}
+
 json surface_json(const Surface& surface) {
   json outline = json::array();
   for (const Eigen::Vector3d& p : surface.outline) outline.push_back({p.x(), p.y(), p.z()});
@@ -60,7 +86,11 @@ json surface_json(const Surface& surface) {
 
 }  // namespace
 
-std::string truth_json(const World& world, const Motion& motion, double duration) {
+std::string truth_json(const SimulatedSource& source) {
+  return truth_json(source.world(), source.motion(), source.duration(), source.lidar().settings());
+}
+
+std::string truth_json(const World& world, const Motion& motion, double duration, const LidarSettings& lidar) {
   json truth = {{"name", world.name},
                 {"rotation", 0.0},
                 {"rooms", json::array()},
@@ -88,10 +118,13 @@ std::string truth_json(const World& world, const Motion& motion, double duration
                                   {"height", storey.height},
                                   {"floor", storey.floor},
                                   {"ceiling", storey.ceiling},
+                                  {"floor_shape", shape_json(storey.floor_shape)},
+                                  {"ceiling_shape", shape_json(storey.ceiling_shape)},
                                   {"outline", corners}});
     }
   }
   for (const Surface& surface : surfaces_of(world)) truth["surfaces"].push_back(surface_json(surface));
+  truth["sensor"] = sensor_json(lidar);
   truth["duration"] = duration;
   truth["length"] = motion.length();
   const Pose start = motion.pose_at(0);

@@ -70,6 +70,21 @@ void read_motion(Fields& top, World& world) {
   world.motion = m;
 }
 
+void read_building(Fields& top, World& world) {
+  const YAML::Node node = top.take("building");
+  if (node.IsNull()) return;
+  Fields fields(node, top.file(), "`building`");
+  BuildingErrors& e = world.errors;
+  e.seed = static_cast<std::uint64_t>(fields.integer("seed", static_cast<int>(e.seed), 0, 1'000'000'000));
+  e.lean = degree * fields.number("lean_deg", e.lean / degree, {0, 5});
+  e.square = degree * fields.number("square_deg", e.square / degree, {0, 5});
+  e.shift = fields.number("shift", e.shift, {0, 0.2});
+  e.bow = fields.number("bow", e.bow, {0, 0.1});
+  e.slope = fields.number("slope", e.slope, {0, 0.05});
+  e.undulation = fields.number("undulation", e.undulation, {0, 0.1});
+  fields.finish();
+}
+
 void read_lidar(Fields& top, World& world) {
   const YAML::Node node = top.take("lidar");
   if (node.IsNull()) return;
@@ -199,6 +214,7 @@ World parse_world(const std::string& text, const std::string& file, const std::s
     world.ground = top.flag("ground", true);
     const StoreyFrames frames = read_storeys(top, world);
     read_motion(top, world);
+    read_building(top, world);
     read_lidar(top, world);
     read_route(top, world, frames);
     read_people(top, world);
@@ -207,7 +223,7 @@ World parse_world(const std::string& text, const std::string& file, const std::s
     fail_at(name, error.mark.is_null() ? 0 : error.mark.line + 1, error.msg);
   }
   try {
-    check_routes(world, Motion(world.route, world.motion, world.storeys[world.route.storey].elevation));
+    check_routes(world, motion_along_route(world));
   } catch (const WorldError& error) {
     const std::string message = error.what();
     throw WorldError(message.rfind(name, 0) == 0 ? message : name + ": " + message);

@@ -5,8 +5,8 @@
 #include <Eigen/Core>
 
 #include "sgraph_slam/core/eval/plan.hpp"
-#include "sgraph_slam/core/util/statistics.hpp"
 #include "sgraph_slam/core/types/pose.hpp"
+#include "sgraph_slam/core/util/statistics.hpp"
 
 namespace sgraph {
 
@@ -37,10 +37,15 @@ class PlanSurfaces {
     Eigen::Vector2d axis;  // direction of the box's x
     bool round;
     PlanSurface surface;
+    double lean = 0;  // of a wall, about `lean_height` [m]
+    double lean_height = 0;
+    double bow = 0;  // of a wall whose line begins at `from` along the axis and is `length` long
+    double from = 0;
+    double length = 1;
   };
 
   void add(const PlanWall& wall);
-  void add_box(const PlanWall& wall, double begin, double end, double bottom, double top, double thickness);
+  void add_box(const PlanWall& wall, double begin, double end, double bottom, double top, double thickness, double height);
   void index();
   [[nodiscard]] static double distance(const Solid& solid, const Eigen::Vector3d& p);
 

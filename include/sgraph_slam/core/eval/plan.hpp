@@ -28,6 +28,8 @@ struct PlanWall {
   double extend_p = 0;                                      ///< the body goes this far beyond p (or q) [m]
   double extend_q = 0;
   bool glass = false;  ///< one pane along the centre line
+  double lean = 0;     ///< shift of the body to the left of p -> q with each metre of height; 0 at half height
+  double bow = 0;      ///< of its middle to the left, as a parabola [m]
   std::vector<PlanOpening> openings;
 
   [[nodiscard]] double length() const { return (q - p).norm(); }
@@ -43,12 +45,28 @@ struct PlanBlock {
   bool furniture = false;  ///< no part of the building
 };
 
+/// Height of an uneven floor or ceiling above its nominal one.
+struct PlanShape {
+  struct Wave {
+    Eigen::Vector2d number = Eigen::Vector2d::Zero();  ///< [rad/m]
+    double phase = 0;
+    double amplitude = 0;  ///< [m]
+  };
+  Eigen::Vector2d origin = Eigen::Vector2d::Zero();
+  Eigen::Vector2d slope = Eigen::Vector2d::Zero();
+  std::vector<Wave> waves;
+
+  [[nodiscard]] double operator()(const Eigen::Vector2d& at) const;
+};
+
 /// Floor and ceiling of a storey.
 struct PlanLevel {
   double floor = 0;  ///< z [m]
   bool has_floor = true;
-  std::optional<double> ceiling;         ///< z [m]; nothing when there is none or the truth doesn't say
-  bool ceiling_known = false;            ///< the truth says whether there is a ceiling
+  std::optional<double> ceiling;  ///< z [m]; nothing when there is none or the truth doesn't say
+  bool ceiling_known = false;     ///< the truth says whether there is a ceiling
+  PlanShape floor_shape;
+  PlanShape ceiling_shape;
   std::vector<Eigen::Vector2d> outline;  ///< polygon
 };
 

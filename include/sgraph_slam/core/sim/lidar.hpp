@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "sgraph_slam/core/sim/scene.hpp"
+#include "sgraph_slam/core/sim/sensor_unit.hpp"
 #include "sgraph_slam/core/sim/world.hpp"
 #include "sgraph_slam/core/types/cloud.hpp"
 
@@ -33,7 +34,8 @@ std::int64_t first_firing(int scan, double rate);
 enum class StampConvention { first, last };
 
 struct LidarSettings {
-  double range_noise = 0.02;  ///< standard deviation [m]
+  double range_noise = 0.02;  ///< standard deviation of the ideal sensor; a real one has its own [m]
+  SensorUnit unit;            ///< errors of the sensor; none by default
   double rate = 10;           ///< revolutions, so scans, a second; the sensor can be set to 5 .. 20 (300 .. 1200 rpm)
   double min_range = 0.4;     ///< [m]
   double max_range = 100.0;   ///< [m]
@@ -53,7 +55,8 @@ using PoseFunction = std::function<Pose(double)>;
 ///
 /// What happens to a ray: the nearest surface or person returns it, unless the echo is too weak (dark, far, or grazing) or is lost by chance. Glass
 /// returns it at near-normal incidence only; otherwise it goes on to what lies behind, weaker. The range gets white noise and is rounded to the
-/// sensor's steps, as is the azimuth.
+/// sensor's steps, as is the azimuth. A real unit (docs/simulator.md, The real sensor) adds its systematic errors, mixed pixels at edges, mirror
+/// images in panes, and surfaces of all shades up to those that return nothing.
 class Lidar {
  public:
   Lidar(const World& world, PoseFunction motion, const LidarSettings& settings);

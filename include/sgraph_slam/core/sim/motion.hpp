@@ -14,7 +14,7 @@ namespace sgraph::sim {
 class Motion {
  public:
   /// Throws WorldError: two equal waypoints in a row, or a wished duration that no speed reaches.
-  Motion(const Route& route, const MotionProfile& profile, double floor_z);
+  Motion(const Route& route, const MotionProfile& profile, double floor_z, Unevenness floor = {});
 
   /// A walk recorded elsewhere: poses of base_link, at least four and at most a quarter of a second apart, joined smoothly (once continuously
   /// differentiable). The first stamp is time 0. Throws WorldError.
@@ -42,9 +42,13 @@ class Motion {
 
   MotionProfile profile_;
   double floor_z_ = 0;
+  Unevenness floor_;
   double duration_ = 0;
   Trajectory recorded_;
   std::vector<Sample> control_;  // of a uniform cubic B-spline
 };
+
+/// The motion along the world's route, on the floor as it is.
+Motion motion_along_route(const World& world);
 
 }  // namespace sgraph::sim

@@ -19,6 +19,7 @@ struct Surface {
   std::vector<Eigen::Vector3d> outline;  ///< simple polygon, world frame [m]
   SurfaceKind kind = SurfaceKind::wall;
   Material material = Material::plaster;
+  int object = 0;  ///< pieces of one wall, piece of furniture, ... share a number
 };
 
 /// Everything that stands still in a world, as polygons. Surfaces hidden inside of others (where walls meet) are left in: no ray sees them.
@@ -36,8 +37,9 @@ struct RayPacket {
 
 /// What they hit.
 struct HitPacket {
-  std::array<double, packet_size> distance{};  ///< [m]; infinity: nothing
-  std::array<double, packet_size> cosine{};    ///< of the angle of incidence, 0..1
+  std::array<double, packet_size> distance{};         ///< [m]; infinity: nothing
+  std::array<double, packet_size> cosine{};           ///< of the angle of incidence, 0..1
+  std::array<Eigen::Vector3d, packet_size> normal{};  ///< of the surface, to either side; unit length
   std::array<const Surface*, packet_size> surface{};
 };
 

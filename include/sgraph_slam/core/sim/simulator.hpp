@@ -70,6 +70,9 @@ struct SimulatedScans {
 SimulatedScans simulate_scans(const World& world, int count, const LidarSettings& settings = {}, int first = 0);
 
 /// What is true of a world as JSON (docs/worlds.md): rooms, corridors, walls, columns, surfaces, duration, length.
-std::string truth_json(const World& world, const Motion& motion, double duration);
+std::string truth_json(const World& world, const Motion& motion, double duration, const LidarSettings& lidar = {});
+
+/// Of what a source simulates.
+std::string truth_json(const SimulatedSource& source);
 
 }  // namespace sgraph::sim

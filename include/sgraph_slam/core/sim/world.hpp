@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <map>
 #include <stdexcept>
 #include <string>
@@ -41,6 +42,8 @@ struct Wall {
   bool glass = false;   ///< a glass partition: one pane along the centre line
   Material material = Material::plaster;
   std::vector<Opening> openings;  ///< in order, not overlapping
+  double lean = 0;                ///< how far the body moves to the left of p -> q with each metre of height; 0 at half height
+  double bow = 0;                 ///< how far its middle stands to the left of the line from p to q, as a parabola [m]
   int line = 0;                   ///< in the world's file
 
   [[nodiscard]] double length() const { return (q - p).norm(); }
@@ -68,12 +71,29 @@ struct Place {
   double height = 0;                                ///< floor to ceiling [m]
 };
 
+/// How far a floor or ceiling is from flat: a slope and a few long waves. Height above the nominal one as a function of the place.
+struct Unevenness {
+  struct Wave {
+    Eigen::Vector2d number = Eigen::Vector2d::Zero();  ///< [rad/m]
+    double phase = 0;
+    double amplitude = 0;  ///< [m]
+  };
+  Eigen::Vector2d origin = Eigen::Vector2d::Zero();
+  Eigen::Vector2d slope = Eigen::Vector2d::Zero();
+  std::vector<Wave> waves;
+
+  [[nodiscard]] double operator()(const Eigen::Vector2d& at) const;
+  [[nodiscard]] bool flat() const { return slope.isZero(0) && waves.empty(); }
+};
+
 struct Storey {
   std::string name;
   double elevation = 0;  ///< world z of the floor [m]
   double height = 2.8;   ///< floor to ceiling [m]
   bool floor = true;
   bool ceiling = true;
+  Unevenness floor_shape;
+  Unevenness ceiling_shape;
   std::vector<std::vector<Eigen::Vector2d>> outlines;  ///< of floor and ceiling, counter-clockwise; they may overlap
   std::vector<Wall> walls;
   std::vector<Block> columns;
@@ -123,6 +143,17 @@ struct Route {
   std::size_t storey = 0;
 };
 
+/// How far a building is from its plan (docs/simulator.md, The real building). All zero: as planned.
+struct BuildingErrors {
+  std::uint64_t seed = 1;
+  double lean = 0.3 * 0.017453292519943295;    ///< walls from the vertical, at most [rad]
+  double square = 0.5 * 0.017453292519943295;  ///< walls from their planned direction, at most [rad]
+  double shift = 0.03;                         ///< and no end of a wall by more than this [m]
+  double bow = 0.004;                          ///< middle of a wall off the line through its ends, at most [m]
+  double slope = 0.001;                        ///< of floors and ceilings
+  double undulation = 0.004;                   ///< their waves, peak to peak [m]
+};
+
 /// A building, who walks in it, and the robot's route. Right-handed, z up, metres, one frame ("world").
 struct World {
   std::string name;
@@ -132,7 +163,8 @@ struct World {
   Route route;
   MotionProfile motion;
   Pose T_base_lidar{Eigen::Quaterniond::Identity(), Eigen::Vector3d(0.15, 0.0, 0.25)};
-  bool ground = true;  ///< ground around the building, seen through windows
+  bool ground = true;     ///< ground around the building, seen through windows
+  BuildingErrors errors;  ///< of the building where it is not to be as planned
 };
 
 /// Reads a world file (schema: docs/worlds.md). Throws WorldError with file, line and what is wrong: unknown keys, values out of range, openings off
@@ -141,6 +173,11 @@ World read_world(const std::string& path);
 
 /// The same from text; `extends` is taken relative to `directory`.
 World parse_world(const std::string& text, const std::string& file = "world", const std::string& directory = ".");
+
+/// The world with the errors of its building (`world.errors`) built in: walls turned about their middle, leaning and bowed, joined as before; floors
+/// and ceilings sloped and wavy; columns and furniture standing on them; rooms measured anew between the walls. Throws WorldError where the route
+/// does not fit any more.
+World with_building_errors(const World& world);
 
 /// A bare box of the given inner size with its centre at the origin; the robot stands at the centre, or walks `route` when it is given. For tests.
 World box_world(double length, double width, double height = 2.8, const std::vector<Eigen::Vector2d>& route = {});
