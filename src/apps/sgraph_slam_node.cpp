@@ -24,7 +24,9 @@ int main(int argc, char** argv) {
                                                                   {"odometry", "sgraph_slam/Odometry"},
                                                                   {"prefilter", "sgraph_slam/Prefilter"}};
   for (const auto& [name, type] : nodelets) {
+    if (!ros::ok()) return 0;  // asked to end meanwhile
     if (!loader.load(ros::names::resolve(name), type, remappings, {})) {
+      if (!ros::ok()) return 0;
       ROS_FATAL_STREAM("nodelet " << type << " didn't start");
       return 1;
     }

@@ -17,6 +17,7 @@ class PrefilterNodelet : public StageNodelet {
   using Message = sensor_msgs::PointCloud2ConstPtr;
 
   void start() override {
+    health().expect_input();
     prefilter_.emplace(settings().params.prefilter);
     const auto capacity = static_cast<std::size_t>(settings().ros.scan_queue);
     worker_ = std::make_unique<Worker<Message>>(

@@ -1,11 +1,13 @@
 #include "sgraph_slam/ros/health.hpp"
 
 #include <ros/console.h>
+#include <ros/time.h>
 
 namespace sgraph {
 
 namespace {
 
+constexpr auto silence = std::chrono::seconds(5);  // the slowest LiDARs turn once a second
 constexpr auto shown_for = std::chrono::seconds(5);
 constexpr auto logged_again_after = std::chrono::seconds(10);
 constexpr std::size_t most_reports = 100;  // texts may hold names from outside
@@ -19,8 +21,14 @@ Health::Health(const ros::NodeHandle& node, const ros::NodeHandle& private_node,
   timer_ = node.createWallTimer(ros::WallDuration(1), [this](const ros::WallTimerEvent&) { updater_.force_update(); });
 }
 
+void Health::expect_input() {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  expects_input_ = true;
+}
+
 void Health::worked(double milliseconds) {
   const std::lock_guard<std::mutex> lock(mutex_);
+  last_input_ = Clock::now();
   ++worked_;
   milliseconds_ += milliseconds;
   most_milliseconds_ = std::max(most_milliseconds_, milliseconds);
@@ -28,6 +36,7 @@ void Health::worked(double milliseconds) {
 
 void Health::count(const std::string& what) {
   const std::lock_guard<std::mutex> lock(mutex_);
+  last_input_ = Clock::now();
   ++counts_[what];
 }
 
@@ -67,10 +76,24 @@ void Health::report(int level, const std::string& text) {
   }
 }
 
+void Health::summarise(diagnostic_updater::DiagnosticStatusWrapper& status, Clock::time_point now) const {
+  using diagnostic_msgs::DiagnosticStatus;
+  const auto silent = std::chrono::duration_cast<std::chrono::seconds>(now - last_input_);
+  const bool started = worked_ > 0;
+  if (expects_input_ && silent >= silence) {
+    status.summary(DiagnosticStatus::WARN, (started ? "no input for " : "waiting for input for ") + std::to_string(silent.count()) + " s");
+  } else {
+    status.summary(DiagnosticStatus::OK, started ? "running" : "waiting for input");
+  }
+  // Scans carry their own time and are mapped; transforms are sent by the clock.
+  if (ros::Time::isSimTime() && ros::Time::now().isZero())
+    status.mergeSummary(DiagnosticStatus::WARN, "use_sim_time is set and no clock has come: no transform from map to odom");
+}
+
 void Health::describe(diagnostic_updater::DiagnosticStatusWrapper& status) {
   const std::lock_guard<std::mutex> lock(mutex_);
   const auto now = Clock::now();
-  status.summary(diagnostic_msgs::DiagnosticStatus::OK, worked_ > 0 ? "running" : "waiting for input");
+  summarise(status, now);
   for (const auto& [text, report] : reports_)
     if (now - report.seen < shown_for) status.mergeSummary(static_cast<unsigned char>(report.level), text);
 

@@ -11,12 +11,19 @@
 
 namespace sgraph {
 
-/// How a nodelet is doing, told on /diagnostics once a second of real time, and in the log when something is wrong. All functions may be called from
-/// any thread. The level is that of the worst report of the last seconds, so that what happened once is seen and what is over fades.
+/// How a nodelet is doing, reported on /diagnostics once a second of real time, and in the log when something is wrong. All functions may be called
+/// from any thread. The level is that of the worst report of the last seconds, so that what happened once is seen and what is over fades:
+/// - OK: it works, or waits for something that need not come (a keyframe, while the robot stands);
+/// - WARN: it works, but the result is worse than it could be, or its input has stopped: look at it when you can;
+/// - ERROR: something is lost or can't be done until somebody acts.
+/// docs/reliability.md says what to do about each report.
 class Health {
  public:
   /// `name`: the nodelet's full name.
   Health(const ros::NodeHandle& node, const ros::NodeHandle& private_node, const std::string& name);
+
+  /// The nodelet's input is a sensor's: nothing for some seconds is a warning.
+  void expect_input();
 
   /// One more of what the nodelet works on has been done, in so many milliseconds.
   void worked(double milliseconds);
@@ -44,6 +51,8 @@ class Health {
 
   void report(int level, const std::string& text);
   void describe(diagnostic_updater::DiagnosticStatusWrapper& status);
+  /// "running", or what the nodelet waits for.
+  void summarise(diagnostic_updater::DiagnosticStatusWrapper& status, Clock::time_point now) const;
 
   const std::string name_;
   std::mutex mutex_;  // guards the members down to the updater
@@ -54,6 +63,8 @@ class Health {
   std::int64_t worked_before_ = 0;  // at the last message
   double milliseconds_ = 0;         // since the last message
   double most_milliseconds_ = 0;
+  bool expects_input_ = false;
+  Clock::time_point last_input_ = Clock::now();  // last sign of any, good or bad
   Clock::time_point last_message_ = Clock::now();
 
   diagnostic_updater::Updater updater_;
