@@ -1,7 +1,6 @@
 // Evaluation of each factor: residual alone, and with Jacobians as the solver asks for them.
 
 #include <benchmark/benchmark.h>
-#include <ceres/cost_function.h>
 
 #include <array>
 
@@ -11,10 +10,10 @@ namespace sgraph {
 namespace {
 
 // Blocks of 7 numbers hold any variable.
-std::vector<std::array<double, 7>> values_of(const test::FactorCase& c) {
-  std::vector<std::array<double, 7>> out;
+std::vector<Block> values_of(const test::FactorCase& c) {
+  std::vector<Block> out;
   for (const VariableId& id : blocks(c.factor.data)) {
-    std::array<double, 7> x{};
+    Block x{};
     if (const auto* keyframe = std::get_if<KeyframeId>(&id)) {
       const Pose& pose = *c.graph.find(*keyframe);
       Eigen::Map<Eigen::Vector4d>(x.data()) = pose.rotation.coeffs();
@@ -37,16 +36,16 @@ std::vector<std::array<double, 7>> values_of(const test::FactorCase& c) {
 void evaluate(benchmark::State& state, int kind, bool with_jacobians) {
   test::Draw draw(1);
   const test::FactorCase c = test::random_case(draw, kind);
-  const CostPtr cost = test::cost_of(c);
+  const CostPtr cost = test::own_cost_of(c);
   const auto values = values_of(c);
-  std::vector<const double*> x;
+  std::vector<const Block*> x;
   std::vector<std::array<double, 42>> storage(values.size());
   std::vector<double*> jacobians;
-  for (const auto& v : values) x.push_back(v.data());
+  for (const Block& v : values) x.push_back(&v);
   for (auto& j : storage) jacobians.push_back(j.data());
   std::array<double, 6> residual{};
   for (auto _ : state) {
-    cost->Evaluate(x.data(), residual.data(), with_jacobians ? jacobians.data() : nullptr);
+    cost->compute(x.data(), residual.data(), with_jacobians ? jacobians.data() : nullptr);
     benchmark::DoNotOptimize(residual);
     benchmark::ClobberMemory();
   }

@@ -37,7 +37,6 @@ int main(int argc, char** argv) {
       ->check(CLI::IsMember({"isotropic", "full"}))
       ->capture_default_str();
   app.add_option("--iterations", options.max_iterations, "At most so many iterations")->capture_default_str();
-  app.add_option("--threads", options.threads, "Threads")->capture_default_str();
   CLI11_PARSE(app, argc, argv);
 
   try {

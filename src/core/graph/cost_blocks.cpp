@@ -1,74 +1,32 @@
 #include "cost_blocks.hpp"
 
-#include <ceres/cost_function.h>
+#include <type_traits>
+#include <utility>
 
 #include "sgraph_slam/core/math/so3.hpp"
 
 namespace sgraph {
+
 namespace {
 
-using PlusJacobian = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor, 7, 6>;
-
-// Derivative of the block by our tangent coordinates.
-PlusJacobian plus_jacobian(const VariableId& id, const double* x) {
-  if (std::holds_alternative<KeyframeId>(id)) {
-    const Eigen::Map<const Eigen::Quaterniond> q(x);
-    const Eigen::Vector3d v = q.vec();
-    PlusJacobian j = PlusJacobian::Zero(7, 6);
-    j.topLeftCorner<3, 3>() = 0.5 * (q.w() * Eigen::Matrix3d::Identity() + skew(v));
-    j.block<1, 3>(3, 0) = -0.5 * v.transpose();
-    j.bottomRightCorner<3, 3>() = q.toRotationMatrix();
-    return j;
-  }
-  if (std::holds_alternative<PlaneId>(id)) {
-    PlusJacobian j = PlusJacobian::Zero(4, 3);
-    j.topLeftCorner<3, 2>() = tangent_basis(Eigen::Map<const Eigen::Vector3d>(x));
-    j(3, 2) = 1.0;
-    return j;
-  }
-  const int size = tangent_size(id);
-  return PlusJacobian::Identity(size, size);
-}
+// Factors that need the constants of a place name it.
+template <class Type, class = void>
+struct NeedsConstants : std::false_type {};
+template <class Type>
+struct NeedsConstants<Type, std::void_t<decltype(std::declval<const Type&>().constants_of())>> : std::true_type {};
 
 }  // namespace
 
 CostPtr make_cost(const FactorData& factor, const Graph& graph) {
   return std::visit(
       [&graph](const auto& data) {
-        using Type = std::decay_t<decltype(data)>;
-        if constexpr (std::is_same_v<Type, RoomPlane>) {
-          return make_cost(data, *graph.find(data.room));
-        } else if constexpr (std::is_same_v<Type, CorridorPlane>) {
-          return make_cost(data, *graph.find(data.corridor));
+        if constexpr (NeedsConstants<std::decay_t<decltype(data)>>::value) {
+          return make_cost(data, *graph.find(data.constants_of()));
         } else {
           return make_cost(data);
         }
       },
       factor);
-}
-
-std::unique_ptr<ceres::LossFunction> make_loss(const RobustLoss& loss) {
-  switch (loss.kind) {
-    case LossKind::none: return nullptr;
-    case LossKind::huber: return std::make_unique<ceres::HuberLoss>(loss.scale);
-    case LossKind::cauchy: return std::make_unique<ceres::CauchyLoss>(loss.scale);
-    case LossKind::tukey: return std::make_unique<ceres::TukeyLoss>(loss.scale);
-    case LossKind::geman_mcclure: return std::make_unique<GemanMcClureLoss>(loss.scale);
-  }
-  return nullptr;
-}
-
-void GemanMcClureLoss::Evaluate(double s, double rho[3]) const {
-  const double inverse = 1.0 / (squared_scale_ + s);
-  const double ratio = squared_scale_ * inverse;
-  rho[0] = s * ratio;
-  rho[1] = ratio * ratio;
-  rho[2] = -2.0 * ratio * ratio * inverse;
-}
-
-int block_size(const VariableId& id) {
-  constexpr int sizes[] = {7, 4, 4, 2};
-  return sizes[id.index()];
 }
 
 Block block_of(const Graph& graph, const VariableId& id) {
@@ -109,32 +67,57 @@ void set_from_block(Graph& graph, const VariableId& id, const Block& block) {
   }
 }
 
+Block moved(const VariableId& id, const Block& block, const double* step) {
+  Block out = block;
+  if (std::holds_alternative<KeyframeId>(id)) {
+    const Eigen::Map<const Eigen::Quaterniond> q(block.data());
+    const Eigen::Map<const Eigen::Vector3d> rotation(step);
+    const Eigen::Map<const Eigen::Vector3d> translation(step + 3);
+    Eigen::Map<Eigen::Vector4d>(out.data()) = (q * so3_exp(rotation)).normalized().coeffs();
+    Eigen::Map<Eigen::Vector3d>(out.data() + 4) += q * translation;
+  } else if (std::holds_alternative<PlaneId>(id)) {
+    const Eigen::Vector3d n = Eigen::Map<const Eigen::Vector3d>(block.data());
+    Eigen::Map<Eigen::Vector3d>(out.data()) = (n + tangent_basis(n) * Eigen::Map<const Eigen::Vector2d>(step)).normalized();
+    out[3] += step[2];
+  } else {
+    for (int i = 0; i < tangent_size(id); ++i) out[static_cast<std::size_t>(i)] += step[i];
+  }
+  return out;
+}
+
+namespace {
+
+// Values of a factor's blocks, and pointers to them as costs take them.
+struct BlocksOf {
+  BlocksOf(const Graph& graph, const BlockIds& ids) {
+    for (std::size_t i = 0; i < ids.size(); ++i) values[i] = block_of(graph, ids[i]);
+  }
+  std::array<Block, 2> values{};
+  std::array<const Block*, 2> pointers{&values[0], &values[1]};
+};
+
+}  // namespace
+
 SmallVector residual_of(const Graph& graph, const FactorData& factor) {
   const auto cost = make_cost(factor, graph);
-  const BlockIds ids = blocks(factor);
-  std::array<Block, 2> values{};
-  for (std::size_t i = 0; i < ids.size(); ++i) values[i] = block_of(graph, ids[i]);
-  const std::array<const double*, 2> x{values[0].data(), values[1].data()};
-  SmallVector residual(cost->num_residuals());
-  cost->Evaluate(x.data(), residual.data(), nullptr);
+  const BlocksOf x(graph, blocks(factor));
+  SmallVector residual(cost->residual_size());
+  cost->compute(x.pointers.data(), residual.data(), nullptr);
   return residual;
 }
 
 Linearization linearize(const Graph& graph, const FactorData& factor) {
-  using Ambient = Eigen::Map<const Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>>;
   const auto cost = make_cost(factor, graph);
   const BlockIds ids = blocks(factor);
-  std::array<Block, 2> values{};
-  for (std::size_t i = 0; i < ids.size(); ++i) values[i] = block_of(graph, ids[i]);
-  const std::array<const double*, 2> x{values[0].data(), values[1].data()};
-  std::array<std::array<double, 42>, 2> ambient;
-  std::array<double*, 2> ambient_data{ambient[0].data(), ambient[1].data()};
+  const BlocksOf x(graph, ids);
   Linearization out;
-  out.residual.resize(cost->num_residuals());
-  cost->Evaluate(x.data(), out.residual.data(), ambient_data.data());
+  out.residual.resize(cost->residual_size());
+  std::array<double*, 2> jacobians{};
   for (std::size_t i = 0; i < ids.size(); ++i) {
-    out.jacobians[i] = Ambient(ambient_data[i], cost->num_residuals(), block_size(ids[i])) * plus_jacobian(ids[i], x[i]);
+    out.jacobians[i].resize(cost->residual_size(), tangent_size(ids[i]));
+    jacobians[i] = out.jacobians[i].data();
   }
+  cost->compute(x.pointers.data(), out.residual.data(), jacobians.data());
   return out;
 }
 

@@ -1,50 +1,140 @@
 #include "sgraph_slam/core/graph/factor.hpp"
 
 #include <cmath>
+#include <utility>
 
 #include "sgraph_slam/core/graph/value_checks.hpp"
 
 namespace sgraph {
 namespace {
 
-template <class... Cases>
-struct Overloaded : Cases... {
-  using Cases::operator()...;
+// Visitors of a factor's own description; each takes what it wants and passes over the rest.
+
+struct Variables {
+  BlockIds ids;
+
+  template <class Id>
+  void block(const char*, const Id& id) {
+    ids.push_back(id);
+  }
+  void blocks(const char*, PlaneId a, PlaneId b) {
+    ids.push_back(a);
+    ids.push_back(b);
+  }
+  template <class... Any>
+  void field(const Any&...) {}
+  template <class... Any>
+  void sigma(const Any&...) {}
+  template <class... Any>
+  void index(const Any&...) {}
+  template <class Value>
+  void choice(const char*, Value, std::initializer_list<Value>) {}
+  template <class... Any>
+  void type(const Any&...) {}
 };
-template <class... Cases>
-Overloaded(Cases...) -> Overloaded<Cases...>;
 
-template <int N>
-bool usable(const SqrtInformation<N>& weight) {
-  return weight.matrix().allFinite();
-}
-bool usable_sigma(double sigma) { return std::isfinite(sigma) && sigma > 0; }
+struct Repointed {
+  PlaneId from;
+  PlaneId to;
 
-bool same(const Se3Between& a, const Se3Between& b) {
-  return a.from == b.from && a.to == b.to && same(a.T_from_to, b.T_from_to) && a.weight == b.weight && a.source == b.source;
-}
-bool same(const PosePlane& a, const PosePlane& b) {
-  return a.keyframe == b.keyframe && a.plane == b.plane && same(a.measured, b.measured) && same(a.T_base_lidar, b.T_base_lidar) &&
-         a.weight == b.weight;
-}
-bool same(const PosePlanePoints& a, const PosePlanePoints& b) {
-  return a.keyframe == b.keyframe && a.plane == b.plane && a.points == b.points && same(a.T_base_lidar, b.T_base_lidar);
-}
-bool same(const PlanePrior& a, const PlanePrior& b) { return a.plane == b.plane && same(a.prior, b.prior) && a.weight == b.weight; }
-bool same(const ParallelPlanes& a, const ParallelPlanes& b) { return a.a == b.a && a.b == b.b && a.sigma == b.sigma; }
-bool same(const PerpendicularPlanes& a, const PerpendicularPlanes& b) { return a.a == b.a && a.b == b.b && a.sigma == b.sigma; }
-bool same(const WallThickness& a, const WallThickness& b) {
-  return a.a == b.a && a.b == b.b && a.thickness == b.thickness && a.sigma == b.sigma && a.point == b.point;
-}
-bool same(const RoomPlane& a, const RoomPlane& b) { return a.room == b.room && a.plane == b.plane && a.side == b.side && a.sigma == b.sigma; }
-bool same(const CorridorPlane& a, const CorridorPlane& b) {
-  return a.corridor == b.corridor && a.plane == b.plane && a.side == b.side && a.sigma == b.sigma;
-}
-bool same(const RoomWidth& a, const RoomWidth& b) {
-  return a.room == b.room && a.keyframe == b.keyframe && a.axis == b.axis && a.measured == b.measured && a.sigma == b.sigma;
-}
-bool same(const CorridorWidth& a, const CorridorWidth& b) {
-  return a.corridor == b.corridor && a.keyframe == b.keyframe && a.measured == b.measured && a.sigma == b.sigma;
+  void block(const char*, PlaneId& id) {
+    if (id == from) id = to;
+  }
+  template <class Id>
+  void block(const char*, Id&) {}
+  void blocks(const char* key, PlaneId& a, PlaneId& b) {
+    block(key, a);
+    block(key, b);
+  }
+  template <class... Any>
+  void field(const Any&...) {}
+  template <class... Any>
+  void sigma(const Any&...) {}
+  template <class... Any>
+  void index(const Any&...) {}
+  template <class Value>
+  void choice(const char*, Value, std::initializer_list<Value>) {}
+  template <class... Any>
+  void type(const Any&...) {}
+};
+
+struct Validity {
+  bool valid = true;
+
+  template <class... Any>
+  void block(const Any&...) {}
+  template <class... Any>
+  void blocks(const Any&...) {}
+  void sigma(const char*, double value) { valid = valid && std::isfinite(value) && value > 0; }
+  void index(const char*, int value, int limit) { valid = valid && value >= 0 && value < limit; }
+  template <class Value>
+  void choice(const char*, Value, std::initializer_list<Value>) {}
+  template <class... Any>
+  void type(const Any&...) {}
+
+  void field(const char*, double value) { valid = valid && std::isfinite(value); }
+  void field(const char*, KeyframeId) {}
+  void field(const char*, const Pose& value) { valid = valid && sgraph::valid(value); }
+  void field(const char*, const Plane& value) { valid = valid && sgraph::valid(value); }
+  template <int N>
+  void field(const char*, const SqrtInformation<N>& value) {
+    valid = valid && value.matrix().allFinite();
+  }
+  template <class Derived>
+  void field(const char*, const Eigen::MatrixBase<Derived>& value) {
+    valid = valid && value.allFinite();
+  }
+};
+
+// Two factors of one type: the first shows its values, the second is compared with them in the same order.
+struct Numbers {
+  std::vector<double> values;
+
+  void add(double value) { values.push_back(value); }
+  template <class Id>
+  void block(const char*, const Id& id) {
+    add(static_cast<double>(id.value));
+  }
+  void blocks(const char* key, PlaneId a, PlaneId b) {
+    block(key, a);
+    block(key, b);
+  }
+  void sigma(const char*, double value) { add(value); }
+  void index(const char*, int value, int) { add(value); }
+  template <class Value>
+  void choice(const char*, Value value, std::initializer_list<Value>) {
+    add(static_cast<double>(value));
+  }
+  template <class Value>
+  void type(Value value, const char*, Value, const char*, Value) {
+    add(static_cast<double>(value));
+  }
+  void field(const char*, double value) { add(value); }
+  void field(const char*, KeyframeId id) { add(static_cast<double>(id.value)); }
+  void field(const char* key, const Pose& value) {
+    field(key, value.rotation.coeffs());
+    field(key, value.translation);
+  }
+  void field(const char* key, const Plane& value) {
+    field(key, value.normal);
+    add(value.d);
+  }
+  template <int N>
+  void field(const char* key, const SqrtInformation<N>& value) {
+    field(key, value.matrix());
+  }
+  template <class Derived>
+  void field(const char*, const Eigen::MatrixBase<Derived>& matrix) {
+    for (Eigen::Index c = 0; c < matrix.cols(); ++c) {
+      for (Eigen::Index r = 0; r < matrix.rows(); ++r) add(matrix(r, c));
+    }
+  }
+};
+
+template <class Visitor>
+Visitor shown(const FactorData& data, Visitor visitor) {
+  std::visit([&visitor](const auto& f) { std::decay_t<decltype(f)>::describe(f, visitor); }, data);
+  return visitor;
 }
 
 }  // namespace
@@ -61,97 +151,34 @@ const char* to_string(RoomSide value) {
 
 const char* to_string(CorridorSide value) { return value == CorridorSide::right ? "right" : "left"; }
 
-BlockIds blocks(const FactorData& data) {
-  using Ids = BlockIds;
-  return std::visit(Overloaded{[](const Se3Between& f) {
-                                 return Ids{f.from, f.to};
-                               },
-                               [](const PosePlane& f) {
-                                 return Ids{f.keyframe, f.plane};
-                               },
-                               [](const PosePlanePoints& f) {
-                                 return Ids{f.keyframe, f.plane};
-                               },
-                               [](const PlanePrior& f) { return Ids{f.plane}; },
-                               [](const ParallelPlanes& f) {
-                                 return Ids{f.a, f.b};
-                               },
-                               [](const PerpendicularPlanes& f) {
-                                 return Ids{f.a, f.b};
-                               },
-                               [](const WallThickness& f) {
-                                 return Ids{f.a, f.b};
-                               },
-                               [](const RoomPlane& f) {
-                                 return Ids{f.room, f.plane};
-                               },
-                               [](const CorridorPlane& f) {
-                                 return Ids{f.corridor, f.plane};
-                               },
-                               [](const RoomWidth& f) { return Ids{f.room}; }, [](const CorridorWidth& f) { return Ids{f.corridor}; }},
-                    data);
-}
+BlockIds blocks(const FactorData& data) { return shown(data, Variables{}).ids; }
 
 const char* type_name(const FactorData& data) {
-  if (const auto* between = std::get_if<Se3Between>(&data)) return between->source == Se3Between::Source::loop ? "loop" : "se3_between";
-  constexpr const char* names[] = {"se3_between",    "pose_plane", "pose_plane_points", "plane_prior", "parallel_planes", "perpendicular_planes",
-                                   "wall_thickness", "room_plane", "corridor_plane",    "room_width",  "corridor_width"};
-  return names[data.index()];
+  if (const auto* between = std::get_if<Se3Between>(&data); between != nullptr && between->source == Se3Between::Source::loop) return "loop";
+  return std::visit([](const auto& f) { return std::decay_t<decltype(f)>::type; }, data);
 }
 
 int residual_size(const FactorData& data) {
-  constexpr int sizes[] = {6, 3, 3, 3, 3, 1, 1, 1, 1, 1, 1};
-  return sizes[data.index()];
+  return std::visit([](const auto& f) { return std::decay_t<decltype(f)>::residuals; }, data);
 }
 
-int residual_rank(const FactorData& data) { return std::holds_alternative<ParallelPlanes>(data) ? 2 : residual_size(data); }
+int residual_rank(const FactorData& data) {
+  return std::visit([](const auto& f) { return std::decay_t<decltype(f)>::rank; }, data);
+}
 
 bool valid(const Factor& factor) {
-  if (factor.loss.kind != LossKind::none && !usable_sigma(factor.loss.scale)) return false;
-  return std::visit(
-      Overloaded{[](const Se3Between& f) { return valid(f.T_from_to) && usable(f.weight); },
-                 [](const PosePlane& f) { return valid(f.measured) && valid(f.T_base_lidar) && usable(f.weight); },
-                 [](const PosePlanePoints& f) { return f.points.allFinite() && valid(f.T_base_lidar); },
-                 [](const PlanePrior& f) { return valid(f.prior) && usable(f.weight); },
-                 [](const ParallelPlanes& f) { return usable_sigma(f.sigma); }, [](const PerpendicularPlanes& f) { return usable_sigma(f.sigma); },
-                 [](const WallThickness& f) { return usable_sigma(f.sigma) && std::isfinite(f.thickness) && f.point.allFinite(); },
-                 [](const RoomPlane& f) { return usable_sigma(f.sigma); }, [](const CorridorPlane& f) { return usable_sigma(f.sigma); },
-                 [](const RoomWidth& f) { return usable_sigma(f.sigma) && std::isfinite(f.measured) && (f.axis == 0 || f.axis == 1); },
-                 [](const CorridorWidth& f) { return usable_sigma(f.sigma) && std::isfinite(f.measured); }},
-      factor.data);
+  if (factor.loss.kind != LossKind::none && !(std::isfinite(factor.loss.scale) && factor.loss.scale > 0)) return false;
+  return shown(factor.data, Validity{}).valid;
 }
 
 FactorData repointed(FactorData data, PlaneId from, PlaneId to) {
-  const auto move = [from, to](PlaneId& id) {
-    if (id == from) id = to;
-  };
-  std::visit(Overloaded{[&](PosePlane& f) { move(f.plane); }, [&](PosePlanePoints& f) { move(f.plane); }, [&](PlanePrior& f) { move(f.plane); },
-                        [&](RoomPlane& f) { move(f.plane); }, [&](CorridorPlane& f) { move(f.plane); },
-                        [&](ParallelPlanes& f) {
-                          move(f.a);
-                          move(f.b);
-                        },
-                        [&](PerpendicularPlanes& f) {
-                          move(f.a);
-                          move(f.b);
-                        },
-                        [&](WallThickness& f) {
-                          move(f.a);
-                          move(f.b);
-                        },
-                        [](auto&) {}},
-             data);
+  Repointed visitor{from, to};
+  std::visit([&visitor](auto& f) { std::decay_t<decltype(f)>::describe(f, visitor); }, data);
   return data;
 }
 
 bool operator==(const Factor& a, const Factor& b) {
-  if (!(a.loss == b.loss) || a.data.index() != b.data.index()) return false;
-  return std::visit(
-      [&b](const auto& data) {
-        using Type = std::decay_t<decltype(data)>;
-        return same(data, std::get<Type>(b.data));
-      },
-      a.data);
+  return a.loss == b.loss && a.data.index() == b.data.index() && shown(a.data, Numbers{}).values == shown(b.data, Numbers{}).values;
 }
 
 }  // namespace sgraph

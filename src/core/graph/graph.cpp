@@ -65,7 +65,10 @@ PlaneId Graph::representative(PlaneId id) const {
   return id;
 }
 
-void Graph::set(KeyframeId id, const Pose& T_map_base) { set_in(keyframes_, id, T_map_base); }
+void Graph::set(KeyframeId id, const Pose& T_map_base) {
+  set_in(keyframes_, id, T_map_base);
+  ++keyframes_moved_;
+}
 void Graph::set(PlaneId id, const Plane& plane) { set_in(planes_, id, plane); }
 void Graph::set(RoomId id, const Room& room) { set_in(rooms_, id, room); }
 void Graph::set(CorridorId id, const Corridor& corridor) { set_in(corridors_, id, corridor); }

@@ -90,6 +90,7 @@ Factor GraphEdit::take_out(FactorId id) {
     of_variable->second.erase(id);
     if (of_variable->second.empty()) graph_.factors_of_.erase(of_variable);
   }
+  if (is_view(node.mapped().data)) ++graph_.views_withdrawn_;
   return node.mapped();
 }
 

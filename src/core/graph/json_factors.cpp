@@ -7,11 +7,6 @@ namespace {
 
 using Json = nlohmann::json;
 
-template <class Kind>
-Id<Kind> id_from(const Json& json, const char* key) {
-  return {json.at(key).get<std::int64_t>()};
-}
-
 // Upper triangle, row by row.
 template <int N>
 Json weight_json(const SqrtInformation<N>& weight) {
@@ -32,155 +27,87 @@ SqrtInformation<N> weight_from(const Json& json) {
   return SqrtInformation<N>::from_factor(m);
 }
 
-void write(Json& j, const Se3Between& f) {
-  j["from"] = f.from.value;
-  j["to"] = f.to.value;
-  j["pose"] = pose_json(f.T_from_to);
-  j["sqrt_information"] = weight_json(f.weight);
-}
-void read(const Json& j, Se3Between& f) {
-  f.from = id_from<KeyframeKind>(j, "from");
-  f.to = id_from<KeyframeKind>(j, "to");
-  f.T_from_to = pose_from(j.at("pose"));
-  f.weight = weight_from<6>(j.at("sqrt_information"));
-  f.source = j.at("type") == "loop" ? Se3Between::Source::loop : Se3Between::Source::odometry;
-}
+// Shows a factor's values to JSON.
+struct Writer {
+  Json& json;
 
-void write(Json& j, const PosePlane& f) {
-  j["keyframe"] = f.keyframe.value;
-  j["plane"] = f.plane.value;
-  j["measured"] = plane_json(f.measured);
-  j["base_lidar"] = pose_json(f.T_base_lidar);
-  j["sqrt_information"] = weight_json(f.weight);
-}
-void read(const Json& j, PosePlane& f) {
-  f.keyframe = id_from<KeyframeKind>(j, "keyframe");
-  f.plane = id_from<PlaneKind>(j, "plane");
-  f.measured = plane_from(j.at("measured"));
-  f.T_base_lidar = pose_from(j.at("base_lidar"));
-  f.weight = weight_from<3>(j.at("sqrt_information"));
-}
-
-void write(Json& j, const PosePlanePoints& f) {
-  j["keyframe"] = f.keyframe.value;
-  j["plane"] = f.plane.value;
-  j["sqrt_scatter"] = {vector_json<4>(f.points.row(0)), vector_json<4>(f.points.row(1)), vector_json<4>(f.points.row(2))};
-  j["base_lidar"] = pose_json(f.T_base_lidar);
-}
-void read(const Json& j, PosePlanePoints& f) {
-  f.keyframe = id_from<KeyframeKind>(j, "keyframe");
-  f.plane = id_from<PlaneKind>(j, "plane");
-  for (int r = 0; r < 3; ++r) f.points.row(r) = vector_from<4>(j.at("sqrt_scatter").at(static_cast<std::size_t>(r)));
-  f.T_base_lidar = pose_from(j.at("base_lidar"));
-}
-
-void write(Json& j, const PlanePrior& f) {
-  j["plane"] = f.plane.value;
-  j["prior"] = plane_json(f.prior);
-  j["sqrt_information"] = weight_json(f.weight);
-}
-void read(const Json& j, PlanePrior& f) {
-  f.plane = id_from<PlaneKind>(j, "plane");
-  f.prior = plane_from(j.at("prior"));
-  f.weight = weight_from<3>(j.at("sqrt_information"));
-}
-
-template <class Pair>
-void write_pair(Json& j, const Pair& f) {
-  j["planes"] = {f.a.value, f.b.value};
-  j["sigma"] = f.sigma;
-}
-template <class Pair>
-void read_pair(const Json& j, Pair& f) {
-  f.a = {j.at("planes").at(0).get<std::int64_t>()};
-  f.b = {j.at("planes").at(1).get<std::int64_t>()};
-  f.sigma = j.at("sigma").get<double>();
-}
-void write(Json& j, const ParallelPlanes& f) { write_pair(j, f); }
-void read(const Json& j, ParallelPlanes& f) { read_pair(j, f); }
-void write(Json& j, const PerpendicularPlanes& f) { write_pair(j, f); }
-void read(const Json& j, PerpendicularPlanes& f) { read_pair(j, f); }
-
-void write(Json& j, const WallThickness& f) {
-  write_pair(j, f);
-  j["thickness"] = f.thickness;
-  j["point"] = vector_json<3>(f.point);
-}
-void read(const Json& j, WallThickness& f) {
-  read_pair(j, f);
-  f.thickness = j.at("thickness").get<double>();
-  f.point = vector_from<3>(j.at("point"));
-}
-
-template <class Side>
-Side side_from(const Json& j, std::initializer_list<Side> sides) {
-  const auto name = j.at("side").get<std::string>();
-  for (const Side side : sides) {
-    if (name == to_string(side)) return side;
+  template <class Id>
+  void block(const char* key, const Id& id) {
+    json[key] = id.value;
   }
-  throw std::runtime_error("unknown side '" + name + "'");
-}
+  void blocks(const char* key, PlaneId a, PlaneId b) { json[key] = {a.value, b.value}; }
+  void sigma(const char* key, double value) { json[key] = value; }
+  void index(const char* key, int value, int) { json[key] = value; }
+  template <class Value>
+  void choice(const char* key, Value value, std::initializer_list<Value>) {
+    json[key] = to_string(value);
+  }
+  template <class... Any>
+  void type(const Any&...) {}  // written as the factor's type
+  void field(const char* key, double value) { json[key] = value; }
+  void field(const char* key, KeyframeId id) { json[key] = id.value; }
+  void field(const char* key, const Pose& value) { json[key] = pose_json(value); }
+  void field(const char* key, const Plane& value) { json[key] = plane_json(value); }
+  void field(const char* key, const Eigen::Vector3d& value) { json[key] = vector_json<3>(value); }
+  void field(const char* key, const SqrtScatter& value) {
+    json[key] = {vector_json<4>(value.row(0)), vector_json<4>(value.row(1)), vector_json<4>(value.row(2))};
+  }
+  template <int N>
+  void field(const char* key, const SqrtInformation<N>& value) {
+    json[key] = weight_json(value);
+  }
+};
 
-void write(Json& j, const RoomPlane& f) {
-  j["room"] = f.room.value;
-  j["plane"] = f.plane.value;
-  j["side"] = to_string(f.side);
-  j["sigma"] = f.sigma;
-}
-void read(const Json& j, RoomPlane& f) {
-  f.room = id_from<RoomKind>(j, "room");
-  f.plane = id_from<PlaneKind>(j, "plane");
-  f.side = side_from(j, {RoomSide::x_low, RoomSide::x_high, RoomSide::y_low, RoomSide::y_high});
-  f.sigma = j.at("sigma").get<double>();
-}
+// Takes a factor's values from JSON. Throws when one is missing or of another kind.
+struct Reader {
+  const Json& json;
 
-void write(Json& j, const CorridorPlane& f) {
-  j["corridor"] = f.corridor.value;
-  j["plane"] = f.plane.value;
-  j["side"] = to_string(f.side);
-  j["sigma"] = f.sigma;
-}
-void read(const Json& j, CorridorPlane& f) {
-  f.corridor = id_from<CorridorKind>(j, "corridor");
-  f.plane = id_from<PlaneKind>(j, "plane");
-  f.side = side_from(j, {CorridorSide::right, CorridorSide::left});
-  f.sigma = j.at("sigma").get<double>();
-}
-
-void write(Json& j, const RoomWidth& f) {
-  j["room"] = f.room.value;
-  j["keyframe"] = f.keyframe.value;
-  j["axis"] = f.axis;
-  j["measured"] = f.measured;
-  j["sigma"] = f.sigma;
-}
-void read(const Json& j, RoomWidth& f) {
-  f.room = id_from<RoomKind>(j, "room");
-  f.keyframe = id_from<KeyframeKind>(j, "keyframe");
-  f.axis = j.at("axis").get<int>();
-  f.measured = j.at("measured").get<double>();
-  f.sigma = j.at("sigma").get<double>();
-}
-
-void write(Json& j, const CorridorWidth& f) {
-  j["corridor"] = f.corridor.value;
-  j["keyframe"] = f.keyframe.value;
-  j["measured"] = f.measured;
-  j["sigma"] = f.sigma;
-}
-void read(const Json& j, CorridorWidth& f) {
-  f.corridor = id_from<CorridorKind>(j, "corridor");
-  f.keyframe = id_from<KeyframeKind>(j, "keyframe");
-  f.measured = j.at("measured").get<double>();
-  f.sigma = j.at("sigma").get<double>();
-}
+  template <class Id>
+  void block(const char* key, Id& id) {
+    id = {json.at(key).template get<std::int64_t>()};
+  }
+  void blocks(const char* key, PlaneId& a, PlaneId& b) {
+    a = {json.at(key).at(0).get<std::int64_t>()};
+    b = {json.at(key).at(1).get<std::int64_t>()};
+  }
+  void sigma(const char* key, double& value) { field(key, value); }
+  void index(const char* key, int& value, int) { value = json.at(key).get<int>(); }
+  template <class Value>
+  void choice(const char* key, Value& value, std::initializer_list<Value> values) {
+    const auto name = json.at(key).template get<std::string>();
+    for (const Value one : values) {
+      if (name != to_string(one)) continue;
+      value = one;
+      return;
+    }
+    throw std::runtime_error("unknown " + std::string(key) + " '" + name + "'");
+  }
+  template <class Value>
+  void type(Value& value, const char*, Value first, const char* second_name, Value second) {
+    value = json.at("type") == second_name ? second : first;
+  }
+  void field(const char* key, double& value) { value = json.at(key).get<double>(); }
+  void field(const char* key, KeyframeId& id) { block(key, id); }
+  void field(const char* key, Pose& value) { value = pose_from(json.at(key)); }
+  void field(const char* key, Plane& value) { value = plane_from(json.at(key)); }
+  void field(const char* key, Eigen::Vector3d& value) { value = vector_from<3>(json.at(key)); }
+  void field(const char* key, SqrtScatter& value) {
+    for (int r = 0; r < 3; ++r) value.row(r) = vector_from<4>(json.at(key).at(static_cast<std::size_t>(r)));
+  }
+  template <int N>
+  void field(const char* key, SqrtInformation<N>& value) {
+    value = weight_from<N>(json.at(key));
+  }
+};
 
 template <std::size_t I = 0>
 FactorData data_from(const Json& json, const std::string& type) {
   if constexpr (I < std::variant_size_v<FactorData>) {
-    std::variant_alternative_t<I, FactorData> data;
-    if (type == type_name(FactorData(data)) || (I == 0 && type == "loop")) {
-      read(json, data);
+    using Type = std::variant_alternative_t<I, FactorData>;
+    if (type == Type::type || (std::is_same_v<Type, Se3Between> && type == "loop")) {
+      Type data;
+      Reader reader{json};
+      Type::describe(data, reader);
       return data;
     }
     return data_from<I + 1>(json, type);
@@ -196,7 +123,8 @@ Json factor_json(FactorId id, const Factor& factor) {
   json["id"] = id.value;
   json["type"] = type_name(factor.data);
   if (factor.loss.kind != LossKind::none) json["loss"] = {{"kind", to_string(factor.loss.kind)}, {"scale", factor.loss.scale}};
-  std::visit([&json](const auto& data) { write(json, data); }, factor.data);
+  Writer writer{json};
+  std::visit([&writer](const auto& data) { std::decay_t<decltype(data)>::describe(data, writer); }, factor.data);
   return json;
 }
 

@@ -2,42 +2,41 @@
 
 #include <algorithm>
 #include <limits>
-#include <map>
 
 #include <Eigen/Dense>
-#include <Eigen/SparseCholesky>
 
-#include "cost_blocks.hpp"
-#include "normal_equations.hpp"
-#include "selected_inverse.hpp"
+#include "covariances.hpp"
+#include "linear_solver.hpp"
+#include "problem.hpp"
 
 namespace sgraph {
 
 using Eigen::Index;
 using Eigen::MatrixXd;
 
+namespace {
+
+constexpr double exact_cost = 2e7;  // operations: the exact factorisation and what is asked of it take some tens of milliseconds with this many
+
+}  // namespace
+
 class Marginals::Implementation {
  public:
-  explicit Implementation(const Graph& graph) : equations_(graph) {
+  Implementation(const Graph& graph, MarginalsMethod method, int most_nodes) : problem_(graph, {}), equations_(problem_.pattern()) {
     if (!graph.keyframes().empty()) gauge_ = graph.keyframes().begin()->first;
-    if (equations_.size() == 0) {
-      ok_ = true;
-      return;
-    }
-    solver_.compute(equations_.matrix());
-    if (solver_.info() != Eigen::Success) return;
-    // A pivot that has lost all its digits stands for a direction that no factor holds.
-    const Eigen::VectorXd pivots = solver_.vectorD();
-    ok_ = pivots.allFinite() && pivots.minCoeff() > 1e-14 * pivots.maxCoeff();
+    if (equations_.size() == 0) return;
+    problem_.linearize(problem_.start(), equations_);
+    const bool exact = method == MarginalsMethod::exact || (method == MarginalsMethod::automatic && factorization_cost(equations_) <= exact_cost);
+    covariances_ = exact ? make_exact_covariances(equations_) : make_coarse_covariances(equations_, most_nodes);
   }
 
-  [[nodiscard]] bool ok() const { return ok_; }
+  [[nodiscard]] bool ok() const { return !covariances_ || covariances_->ok(); }
 
   std::optional<MatrixXd> joint(const std::vector<VariableId>& ids) {
-    if (!ok_) return std::nullopt;
+    if (!ok()) return std::nullopt;
     Index size = 0;
     for (const VariableId& id : ids) {
-      if (id != gauge_ && equations_.row_of(id) < 0) return std::nullopt;
+      if (id != gauge_ && number_of(id) < 0) return std::nullopt;
       size += tangent_size(id);
     }
     MatrixXd out = MatrixXd::Zero(size, size);
@@ -45,9 +44,11 @@ class Marginals::Implementation {
       const VariableId& id_a = ids[static_cast<std::size_t>(a)];
       for (Index b = 0, column = 0; b <= a; ++b) {
         const VariableId& id_b = ids[static_cast<std::size_t>(b)];
-        const MatrixXd part = cross(id_a, id_b);
-        out.block(row, column, part.rows(), part.cols()) = part;
-        if (a != b) out.block(column, row, part.cols(), part.rows()) = part.transpose();
+        if (id_a != gauge_ && id_b != gauge_) {
+          const MatrixXd part = covariances_->block(number_of(id_a), number_of(id_b));
+          out.block(row, column, part.rows(), part.cols()) = part;
+          if (a != b) out.block(column, row, part.cols(), part.rows()) = part.transpose();
+        }
         column += tangent_size(id_b);
       }
       row += tangent_size(id_a);
@@ -56,42 +57,21 @@ class Marginals::Implementation {
   }
 
  private:
-  MatrixXd cross(const VariableId& a, const VariableId& b) {
-    const Index rows = tangent_size(a);
-    const Index columns = tangent_size(b);
-    if (a == gauge_ || b == gauge_) return MatrixXd::Zero(rows, columns);
-    const Index row = equations_.row_of(a);
-    const Index column = equations_.row_of(b);
-    if (!equations_.joined(a, b)) {
-      if (columns_.count(a) > 0) return columns_.at(a).middleRows(column, columns).transpose();
-      return columns_of(b).middleRows(row, rows);
-    }
-    if (!selected_) selected_.emplace(solver_);
-    MatrixXd out(rows, columns);
-    for (Index c = 0; c < columns; ++c) {
-      for (Index r = 0; r < rows; ++r) out(r, c) = (*selected_)(row + r, column + c);
-    }
-    return out;
-  }
-
-  // The variable's columns of the covariance, solved for once.
-  const MatrixXd& columns_of(const VariableId& id) {
-    const auto found = columns_.find(id);
-    if (found != columns_.end()) return found->second;
-    MatrixXd unit = MatrixXd::Zero(equations_.size(), tangent_size(id));
-    unit.middleRows(equations_.row_of(id), tangent_size(id)).setIdentity();
-    return columns_.emplace(id, solver_.solve(unit)).first->second;
+  // In the equations; -1 for what isn't in them.
+  [[nodiscard]] int number_of(const VariableId& id) const {
+    const Problem::Variable* variable = problem_.find(id);
+    if (variable == nullptr || variable->number < 0) return -1;
+    return variable->number + (std::holds_alternative<KeyframeId>(id) ? 0 : equations_.keyframes());
   }
 
   VariableId gauge_ = KeyframeId{};
+  Problem problem_;
   NormalEquations equations_;
-  Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> solver_;
-  std::optional<SelectedInverse> selected_;  // made when first asked for
-  std::map<VariableId, MatrixXd> columns_;
-  bool ok_ = false;
+  std::unique_ptr<Covariances> covariances_;  // null when there is nothing to know
 };
 
-Marginals::Marginals(const Graph& graph) : implementation_(std::make_unique<Implementation>(graph)) {}
+Marginals::Marginals(const Graph& graph, MarginalsMethod method, int most_nodes)
+    : implementation_(std::make_unique<Implementation>(graph, method, most_nodes)) {}
 Marginals::~Marginals() = default;
 Marginals::Marginals(Marginals&&) noexcept = default;
 Marginals& Marginals::operator=(Marginals&&) noexcept = default;

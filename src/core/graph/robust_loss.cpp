@@ -29,6 +29,19 @@ LossKind loss_kind_from(const std::string& name) {
   throw std::runtime_error("unknown robust loss '" + name + "' (none, huber, cauchy, tukey, geman_mcclure)");
 }
 
+double loss_value(const RobustLoss& loss, double squared_norm) {
+  const double squared_scale = loss.scale * loss.scale;
+  const double ratio = squared_norm / squared_scale;
+  switch (loss.kind) {
+    case LossKind::none: return squared_norm;
+    case LossKind::huber: return ratio <= 1.0 ? squared_norm : squared_scale * (2.0 * std::sqrt(ratio) - 1.0);
+    case LossKind::cauchy: return squared_scale * std::log1p(ratio);
+    case LossKind::tukey: return squared_scale / 3.0 * (ratio >= 1.0 ? 1.0 : 1.0 - (1.0 - ratio) * (1.0 - ratio) * (1.0 - ratio));
+    case LossKind::geman_mcclure: return squared_norm / (1.0 + ratio);
+  }
+  return squared_norm;
+}
+
 double loss_weight(const RobustLoss& loss, double squared_norm) {
   const double ratio = squared_norm / (loss.scale * loss.scale);
   switch (loss.kind) {

@@ -83,7 +83,7 @@ class BackEnd::Implementation {
   void solve_window() {
     SolverOptions options;
     options.max_iterations = state_.params.solving.window_iterations;
-    note(solve(state_.graph, options, recent_window(state_.graph, state_.params.solving.window)));
+    note(state_.recent.solve(state_.graph, state_.params.solving.window, options));
   }
 
   void solve_global(int iterations, bool all_pairs = false) {

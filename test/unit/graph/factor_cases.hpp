@@ -2,6 +2,10 @@
 
 #include <ceres/cost_function.h>
 
+#include <algorithm>
+#include <array>
+#include <memory>
+
 #include "random_graph.hpp"
 
 namespace sgraph::test {
@@ -55,7 +59,63 @@ inline FactorCase random_case(Draw& draw, int kind) {
   return out;
 }
 
-inline CostPtr cost_of(const FactorCase& c) {
+/// A factor's cost as Ceres takes it, to be compared with what Ceres differentiates. Blocks: keyframe `[qx qy qz qw tx ty tz]` on
+/// EigenQuaternionManifold x R^3, plane `[n d]` on SphereManifold x R, room and corridor as they are. With the derivative M of our tangent
+/// coordinates by the block's, `J_ambient = J_tangent M` is right on the manifold whatever tangent space Ceres uses.
+class CeresCost final : public ceres::CostFunction {
+ public:
+  CeresCost(CostPtr cost, const BlockIds& ids) : cost_(std::move(cost)), ids_(ids) {
+    set_num_residuals(cost_->residual_size());
+    for (const VariableId& id : ids_) mutable_parameter_block_sizes()->push_back(ambient_size(id));
+  }
+
+  bool Evaluate(double const* const* x, double* residuals, double** jacobians) const override {
+    std::array<Block, 2> values{};
+    std::array<Eigen::MatrixXd, 2> tangent;
+    std::array<double*, 2> by{};
+    for (std::size_t i = 0; i < ids_.size(); ++i) {
+      std::copy(x[i], x[i] + ambient_size(ids_[i]), values[i].begin());
+      tangent[i].resize(num_residuals(), tangent_size(ids_[i]));
+      by[i] = tangent[i].data();
+    }
+    const std::array<const Block*, 2> pointers{&values[0], &values[1]};
+    cost_->compute(pointers.data(), residuals, jacobians == nullptr ? nullptr : by.data());
+    for (std::size_t i = 0; jacobians != nullptr && i < ids_.size(); ++i) {
+      if (jacobians[i] == nullptr) continue;
+      Eigen::Map<Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>>(jacobians[i], num_residuals(), ambient_size(ids_[i])) =
+          tangent[i] * minus_jacobian(ids_[i], values[i]);
+    }
+    return true;
+  }
+
+ private:
+  static int ambient_size(const VariableId& id) {
+    constexpr int sizes[] = {7, 4, 4, 2};
+    return sizes[id.index()];
+  }
+
+  static Eigen::MatrixXd minus_jacobian(const VariableId& id, const Block& x) {
+    Eigen::MatrixXd M = Eigen::MatrixXd::Identity(tangent_size(id), ambient_size(id));
+    if (std::holds_alternative<KeyframeId>(id)) {
+      const Eigen::Map<const Eigen::Quaterniond> q(x.data());
+      const Eigen::Vector3d v = q.vec();
+      M.setZero();
+      M.topLeftCorner<3, 3>() = 2.0 * (q.w() * Eigen::Matrix3d::Identity() - skew(v));
+      M.block<3, 1>(0, 3) = -2.0 * v;
+      M.bottomRightCorner<3, 3>() = q.toRotationMatrix().transpose();
+    } else if (std::holds_alternative<PlaneId>(id)) {
+      M.setZero();
+      M.topLeftCorner<2, 3>() = tangent_basis(Eigen::Map<const Eigen::Vector3d>(x.data())).transpose();
+      M(2, 3) = 1.0;
+    }
+    return M;
+  }
+
+  CostPtr cost_;
+  BlockIds ids_;
+};
+
+inline CostPtr own_cost_of(const FactorCase& c) {
   return std::visit(
       [&](const auto& data) {
         using Type = std::decay_t<decltype(data)>;
@@ -68,6 +128,10 @@ inline CostPtr cost_of(const FactorCase& c) {
         }
       },
       c.factor.data);
+}
+
+inline std::unique_ptr<ceres::CostFunction> cost_of(const FactorCase& c) {
+  return std::make_unique<CeresCost>(own_cost_of(c), blocks(c.factor.data));
 }
 
 }  // namespace sgraph::test

@@ -1,12 +1,14 @@
 #include "sgraph_slam/core/graph/solver.hpp"
 
+#include <ceres/ceres.h>
 #include <gtest/gtest.h>
 
 #include <fstream>
 
-#include "random_graph.hpp"
+#include "factor_cases.hpp"
 #include "sgraph_slam/core/graph/g2o.hpp"
 #include "sgraph_slam/core/graph/marginals.hpp"
+#include "sgraph_slam/core/graph/recent_solver.hpp"
 
 namespace sgraph::test {
 namespace {
@@ -121,6 +123,178 @@ TEST(Solver, RecoversTheTruthFromExactMeasurements) {
     EXPECT_EQ(summary.planes, 5);
     EXPECT_EQ(summary.factors, static_cast<int>(world.graph.factors().size()));
   }
+}
+
+// The graph of a World solved by Ceres.
+Graph solved_by_ceres(const Graph& graph) {
+  Graph out = graph;
+  std::map<VariableId, std::vector<double>> x;
+  ceres::ProductManifold<ceres::EigenQuaternionManifold, ceres::EuclideanManifold<3>> poses;
+  ceres::ProductManifold<ceres::SphereManifold<3>, ceres::EuclideanManifold<1>> planes;
+  ceres::Problem::Options options;
+  options.manifold_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
+  ceres::Problem problem(options);
+  for (const auto& [id, pose] : graph.keyframes()) {
+    const Eigen::Vector4d q = pose.rotation.coeffs();
+    x[id] = {q[0], q[1], q[2], q[3], pose.translation.x(), pose.translation.y(), pose.translation.z()};
+    problem.AddParameterBlock(x[id].data(), 7, &poses);
+  }
+  for (const auto& [id, plane] : graph.planes()) {
+    x[id] = {plane.normal.x(), plane.normal.y(), plane.normal.z(), plane.d};
+    problem.AddParameterBlock(x[id].data(), 4, &planes);
+  }
+  for (const auto& [id, room] : graph.rooms()) x[id] = {room.position.x(), room.position.y(), room.width.x(), room.width.y()};
+  problem.SetParameterBlockConstant(x.begin()->second.data());
+  for (const auto& [id, factor] : graph.factors()) {
+    std::vector<double*> of_factor;
+    for (const VariableId& variable : blocks(factor.data)) of_factor.push_back(x.at(variable).data());
+    ceres::LossFunction* loss = factor.loss.kind == LossKind::huber ? new ceres::HuberLoss(factor.loss.scale) : nullptr;
+    problem.AddResidualBlock(cost_of({graph, factor}).release(), loss, of_factor);
+  }
+  ceres::Solver::Options how;
+  how.max_num_iterations = 100;
+  how.function_tolerance = how.parameter_tolerance = 1e-14;
+  how.sparse_linear_algebra_library_type = ceres::EIGEN_SPARSE;
+  ceres::Solver::Summary summary;
+  ceres::Solve(how, &problem, &summary);
+  for (const auto& [id, v] : x) {
+    if (const auto* k = std::get_if<KeyframeId>(&id)) out.set(*k, Pose{Eigen::Quaterniond(v[3], v[0], v[1], v[2]).normalized(), {v[4], v[5], v[6]}});
+    if (const auto* p = std::get_if<PlaneId>(&id)) out.set(*p, Plane{Eigen::Vector3d(v[0], v[1], v[2]).normalized(), v[3]});
+    if (const auto* r = std::get_if<RoomId>(&id)) {
+      Room room = *graph.find(*r);
+      room.position = {v[0], v[1]};
+      room.width = {v[2], v[3]};
+      out.set(*r, room);
+    }
+  }
+  return out;
+}
+
+double farthest(const Graph& a, const Graph& b) {
+  double worst = 0;
+  for (const auto& [id, pose] : a.keyframes()) worst = std::max(worst, se3_log(pose.inverse() * *b.find(id)).norm());
+  for (const auto& [id, plane] : a.planes()) {
+    worst = std::max({worst, (plane.normal - b.find(id)->normal).norm(), std::abs(plane.d - b.find(id)->d)});
+  }
+  return worst;
+}
+
+// Some observations are an arm's length off, and a loss lets go of them.
+void spoil(World& world) {
+  Transaction t;
+  for (const auto& [id, factor] : world.graph.factors()) {
+    const auto* view = std::get_if<PosePlane>(&factor.data);
+    if (view == nullptr) continue;
+    t.remove_factors.push_back(id);
+    Factor spoilt = factor;
+    spoilt.loss = RobustLoss::huber(2.5);
+    if (id.value % 9 == 0) std::get<PosePlane>(spoilt.data).measured.d += 0.5;
+    t.factors.push_back(spoilt);
+  }
+  ASSERT_TRUE(world.graph.apply(t).ok());
+}
+
+TEST(Solver, FindsTheMinimumThatCeresFinds) {
+  for (unsigned seed = 20; seed < 26; ++seed) {
+    World world(seed, 1.0, true, 1 + static_cast<int>(seed % 3));
+    if (seed % 2 == 0) spoil(world);
+    world.disturb(0.05);
+    const Graph reference = solved_by_ceres(world.graph);
+    for (const StepSolver steps : {StepSolver::direct, StepSolver::iterative}) {
+      Graph graph = world.graph;
+      SolverOptions options = exact();
+      options.steps = steps;
+      EXPECT_TRUE(solve(graph, options).converged);
+      EXPECT_NEAR(total_cost(graph), total_cost(reference), 1e-9 * total_cost(reference));
+      EXPECT_LT(farthest(graph, reference), 1e-6) << seed;
+    }
+  }
+}
+
+TEST(Solver, IterativeStepsNeedNoMoreOfThemThanDirectOnes) {
+  for (const int laps : {2, 6, 20}) {
+    World world(3, 1.0, true, laps);
+    world.disturb(0.05);
+    Graph direct = world.graph;
+    Graph iterative = world.graph;
+    SolverOptions options;
+    options.steps = StepSolver::direct;
+    const SolveSummary by_direct = solve(direct, options);
+    options.steps = StepSolver::iterative;
+    const SolveSummary by_iterative = solve(iterative, options);
+    EXPECT_TRUE(by_iterative.converged);
+    EXPECT_LE(by_iterative.iterations, by_direct.iterations + 2);
+    EXPECT_NEAR(by_iterative.final_cost, by_direct.final_cost, 1e-4 * by_direct.final_cost);
+  }
+}
+
+TEST(RecentSolver, MovesWhatAWindowMoves) {
+  // Two maps that grow alike; losses are left out, so that sums over views are exact.
+  World whole(9, 1.0, true, 6);
+  whole.disturb(0.01);
+  Graph by_window;
+  Graph by_sums;
+  RecentSolver recent;
+  Transaction first;
+  first.planes = whole.graph.planes();
+  first.rooms = whole.graph.rooms();
+  for (const auto& [id, factor] : whole.graph.factors()) {
+    if (std::holds_alternative<RoomPlane>(factor.data)) first.factors.push_back(factor);
+  }
+  ASSERT_TRUE(by_window.apply(first).ok() && by_sums.apply(first).ok());
+  for (const auto& [id, pose] : whole.graph.keyframes()) {
+    Transaction t;
+    t.keyframes[id] = pose;
+    for (const FactorId factor : whole.graph.factors_of(id)) {
+      const FactorData& data = whole.graph.find(factor)->data;
+      const auto* between = std::get_if<Se3Between>(&data);
+      if (between == nullptr || between->to == id) t.factors.push_back(*whole.graph.find(factor));
+    }
+    if (id.value == 30) t.merges.push_back({PlaneId{2}, PlaneId{4}});  // whatever they are: views change hands
+    if (id.value == 36) t.undo_merges.push_back(PlaneId{4});
+    const bool applied = by_window.apply(t).ok();
+    ASSERT_EQ(by_sums.apply(t).ok(), applied);
+    if (!applied) {
+      t.merges.clear();
+      t.undo_merges.clear();
+      ASSERT_TRUE(by_window.apply(t).ok() && by_sums.apply(t).ok());
+    }
+    if (id.value % 17 == 16) {
+      solve(by_window, exact());
+      solve(by_sums, exact());
+    }
+    const SolveSummary a = solve(by_window, exact(), recent_window(by_window, 5));
+    const SolveSummary b = recent.solve(by_sums, 5, exact());
+    ASSERT_EQ(a.keyframes, b.keyframes);
+    ASSERT_EQ(a.planes, b.planes);
+    ASSERT_EQ(a.factors, b.factors) << id.value;
+    ASSERT_LT(farthest(by_window, by_sums), 1e-6) << id.value;
+  }
+}
+
+TEST(DeferredSolve, BringsWhatHasComeSinceAlong) {
+  World world(12, 1.0, true, 2);
+  world.disturb(0.03);
+  Graph at_once = world.graph;
+  const SolveSummary expected = solve(at_once, {});
+  DeferredSolve deferred(world.graph, {});
+  const KeyframeId last{15};
+  const Pose step{so3_exp(Eigen::Vector3d(0, 0, 0.1)), {0.5, 0, 0}};
+  const Plane seen{Eigen::Vector3d::UnitX(), 3.0};
+  Transaction t;
+  t.keyframes[KeyframeId{16}] = *world.graph.find(last) * step;
+  t.planes[PlaneId{9}] = *world.graph.find(last) * seen;
+  t.remove_variables = {PlaneId{1}};
+  ASSERT_TRUE(world.graph.apply(t).ok());
+  const SolveSummary summary = deferred.finish(world.graph);
+  EXPECT_EQ(summary.final_cost, expected.final_cost);
+  for (const auto& [id, pose] : at_once.keyframes()) EXPECT_EQ(world.graph.find(id)->translation, pose.translation) << id.value;
+  EXPECT_EQ(world.graph.find(PlaneId{1}), nullptr);
+  EXPECT_EQ(world.graph.find(PlaneId{2})->d, at_once.find(PlaneId{2})->d);
+  EXPECT_EQ(world.graph.find(RoomId{0})->width, at_once.find(RoomId{0})->width);
+  EXPECT_LT(se3_log((*at_once.find(last) * step).inverse() * *world.graph.find(KeyframeId{16})).norm(), 1e-12);
+  const Plane moved = at_once.find(last)->inverse() * *world.graph.find(PlaneId{9});
+  EXPECT_LT((moved.normal - seen.normal).norm() + std::abs(moved.d - seen.d), 1e-12);
 }
 
 TEST(Solver, PointsFormRecoversTheTruthToo) {
@@ -276,6 +450,27 @@ TEST(Marginals, EveryBlockIsThatOfTheDenseInverse) {
     const Eigen::MatrixXd alone = *Marginals(world.graph).covariance(id);
     EXPECT_LT((alone - all.block(row, row, size, size)).norm(), 1e-8 * alone.norm()) << to_string(id);
     row += size;
+  }
+}
+
+TEST(Marginals, CoarseOnesAreExactWithAllNodesAndALittleSmallWithFewer) {
+  World world(18, 1.0, true, 8);
+  Transaction t;
+  t.factors.push_back({ParallelPlanes{{0}, {1}}, {}});
+  t.factors.push_back({WallThickness{{2}, {4}, 1.0, 0.5}, {}});
+  ASSERT_TRUE(world.graph.apply(t).ok());
+  solve(world.graph, exact());
+  const std::vector<VariableId> ids{KeyframeId{3}, KeyframeId{40}, KeyframeId{62}, PlaneId{0},   PlaneId{2},
+                                    PlaneId{3},    PlaneId{4},     RoomId{0},      KeyframeId{0}};
+  const Eigen::MatrixXd right = *Marginals(world.graph, MarginalsMethod::exact).joint(ids);
+  const Marginals all(world.graph, MarginalsMethod::coarse, 100);
+  ASSERT_TRUE(all.ok());
+  EXPECT_LT((*all.joint(ids) - right).norm(), 1e-7 * right.norm());
+  const Eigen::MatrixXd coarse = *Marginals(world.graph, MarginalsMethod::coarse, 10).joint(ids);
+  for (Eigen::Index i = 0; i < right.rows() - 6; ++i) {
+    EXPECT_LE(coarse(i, i), right(i, i) * (1 + 1e-6)) << i;
+    if (i < 12) continue;  // the two old keyframes are nearly rigid with their neighbours
+    EXPECT_GT(coarse(i, i), 0.5 * right(i, i)) << i;
   }
 }
 

@@ -20,6 +20,9 @@
 
 namespace sgraph {
 
+/// The one list of factors. Each tells about itself in its own header: `type` (its name in files), `residuals` and `rank` (how many of them are
+/// independent), and `describe`, which shows a visitor its variables (`block`, `blocks`), its numbers (`field`, `sigma`: positive, `choice`, `index`:
+/// below a limit) and the keys they have in JSON. What can be derived from that is: the functions below, JSON, equality.
 using FactorData = std::variant<Se3Between, PosePlane, PosePlanePoints, PlanePrior, ParallelPlanes, PerpendicularPlanes, WallThickness, RoomPlane,
                                 CorridorPlane, RoomWidth, CorridorWidth>;
 
@@ -32,9 +35,11 @@ struct Factor {
 /// One or two variables, held in place.
 class BlockIds {
  public:
+  BlockIds() : size_(0) {}
   BlockIds(const VariableId& a) : ids_{a, {}}, size_(1) {}
   BlockIds(const VariableId& a, const VariableId& b) : ids_{a, b}, size_(2) {}
 
+  void push_back(const VariableId& id) { ids_[size_++] = id; }
   [[nodiscard]] std::size_t size() const { return size_; }
   const VariableId& operator[](std::size_t i) const { return ids_[i]; }
   [[nodiscard]] const VariableId* begin() const { return ids_.data(); }
@@ -48,9 +53,11 @@ class BlockIds {
 /// Variables of the factor in the order of its cost's parameter blocks.
 BlockIds blocks(const FactorData& data);
 
-/// "se3_between", "loop", "pose_plane", "pose_plane_points", "plane_prior", "parallel_planes", "perpendicular_planes", "wall_thickness",
-/// "room_plane", "corridor_plane", "room_width", "corridor_width".
+/// Its name in files; "loop" for a relative pose from a loop closure.
 const char* type_name(const FactorData& data);
+
+/// A plane observed from a keyframe, in whichever form.
+inline bool is_view(const FactorData& data) { return std::holds_alternative<PosePlane>(data) || std::holds_alternative<PosePlanePoints>(data); }
 
 /// Number of residuals, and how many of them are independent (the degrees of freedom of its chi-square).
 int residual_size(const FactorData& data);

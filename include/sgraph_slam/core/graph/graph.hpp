@@ -57,6 +57,12 @@ class Graph {
   void set(RoomId id, const Room& room);
   void set(CorridorId id, const Corridor& corridor);
 
+  /// How often views of planes have been taken away or re-pointed, and keyframes' values set: who keeps sums over views sees by these that they are
+  /// out of date.
+  [[nodiscard]] std::int64_t views_withdrawn() const { return views_withdrawn_; }
+  [[nodiscard]] std::int64_t keyframes_moved() const { return keyframes_moved_; }
+
+  /// Variables, factors and records; not how they came about.
   friend bool operator==(const Graph& a, const Graph& b);
 
  private:
@@ -74,6 +80,8 @@ class Graph {
   std::int64_t next_room_ = 0;
   std::int64_t next_corridor_ = 0;
   std::int64_t next_factor_ = 0;
+  std::int64_t views_withdrawn_ = 0;
+  std::int64_t keyframes_moved_ = 0;
 };
 
 }  // namespace sgraph

@@ -10,12 +10,21 @@
 
 namespace sgraph {
 
-/// Covariances of the graph's variables around their present values, from one sparse factorisation of the normal equations (robust losses applied as
+/// How covariances are found: from a sparse factorisation of the whole (exact), from a trajectory that bends at some keyframes only (see Marginals),
+/// or exactly where that is cheap and otherwise not.
+enum class MarginalsMethod { automatic, exact, coarse };
+
+/// Covariances of the graph's variables around their present values, from one factorisation of the normal equations (robust losses applied as
 /// weights). In the tangent spaces of variables.hpp. The first keyframe is known exactly (zero covariance). A picture of the graph at construction:
 /// later edits don't show.
+///
+/// The factorisation of a building in which most planes are seen from everywhere costs the cube of the keyframes. There the trajectory is taken to
+/// bend at `most_nodes` keyframes and at each of the newest only, the keyframes between moving with their neighbours among them; planes, rooms and
+/// corridors stay variables each. Exact with every keyframe a node; else covariances come out slightly too small, by what the keyframes between could
+/// still move (docs/solver.md has figures).
 class Marginals {
  public:
-  explicit Marginals(const Graph& graph);
+  explicit Marginals(const Graph& graph, MarginalsMethod method = MarginalsMethod::automatic, int most_nodes = 100);
   ~Marginals();
   Marginals(Marginals&&) noexcept;
   Marginals& operator=(Marginals&&) noexcept;

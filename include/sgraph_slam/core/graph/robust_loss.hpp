@@ -22,7 +22,11 @@ struct RobustLoss {
   friend bool operator==(const RobustLoss& a, const RobustLoss& b) { return a.kind == b.kind && a.scale == b.scale; }
 };
 
-/// Share of its pull that the loss leaves a factor whose weighted residual has this squared norm: 1 without a loss, towards 0 for an outlier.
+/// What the loss makes of a squared norm: itself without a loss and near zero; it grows more slowly beyond.
+double loss_value(const RobustLoss& loss, double squared_norm);
+
+/// Its derivative: the share of its pull that the loss leaves a factor whose weighted residual has this squared norm, 1 without a loss, towards 0
+/// for an outlier.
 double loss_weight(const RobustLoss& loss, double squared_norm);
 
 }  // namespace sgraph

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <memory>
 #include <optional>
 #include <set>
 
@@ -8,11 +9,14 @@
 
 namespace sgraph {
 
+/// How a step is found: by a sparse Cholesky factorisation, by conjugate gradients on the keyframes, or by whichever is cheaper for the graph.
+enum class StepSolver { automatic, direct, iterative };
+
 struct SolverOptions {
   int max_iterations = 30;
   double function_tolerance = 1e-5;   ///< stop when the cost falls by less than this share of itself
   double parameter_tolerance = 1e-8;  ///< stop when the step is shorter than this share of the variables
-  int threads = 1;                    ///< the result doesn't depend on it beyond rounding; 1 is reproducible to the bit
+  StepSolver steps = StepSolver::automatic;
 };
 
 /// What a solve may move; everything else stays where it is.
@@ -20,9 +24,30 @@ struct SolveScope {
   std::optional<std::set<VariableId>> free;  ///< nothing given: all variables
 };
 
-/// Optimises the graph's variables in place; the only place that calls ceres::Solve. The first keyframe is held constant (gauge). Values that come
-/// out not finite are not written back (`converged` is false then). Deterministic. Not thread-safe on one graph.
+/// Optimises the graph's variables in place by Levenberg-Marquardt steps. The first keyframe is held constant (gauge). Steps are exact where the
+/// equations' Cholesky factor stays sparse; otherwise landmarks are eliminated and the keyframes found by preconditioned conjugate gradients, to what
+/// `function_tolerance` asks for (docs/solver.md). Values that come out not finite are not written back (`converged` is false then). Deterministic,
+/// on one thread. Not thread-safe on one graph.
 SolveSummary solve(Graph& graph, const SolverOptions& options, const SolveScope& scope = {});
+
+/// A solve of the whole graph that goes on beside the mapping, on a thread and on values of its own. When it is brought in is for the caller to
+/// decide, by counts of keyframes: then results don't depend on how fast the machine is.
+class DeferredSolve {
+ public:
+  /// Takes what it needs from the graph and starts.
+  DeferredSolve(const Graph& graph, const SolverOptions& options);
+  ~DeferredSolve();  ///< waits for the thread
+  DeferredSolve(DeferredSolve&&) noexcept;
+  DeferredSolve& operator=(DeferredSolve&&) noexcept;
+
+  /// Waits for the solution and writes it into the graph, which may have grown and lost variables since. Keyframes and planes that have come since
+  /// move along with the newest keyframe that was solved, rigidly; rooms and corridors whose axes have been set anew keep their values. Once.
+  SolveSummary finish(Graph& graph);
+
+ private:
+  class Implementation;
+  std::unique_ptr<Implementation> implementation_;
+};
 
 /// The newest `count` keyframes, the planes they see, and the rooms and corridors of those planes.
 SolveScope recent_window(const Graph& graph, int count);
@@ -33,7 +58,7 @@ Eigen::VectorXd weighted_residual(const Graph& graph, const FactorData& factor);
 /// Squared norm of it, to be compared with chi-square of residual_rank(factor) degrees of freedom; infinity when a variable is missing.
 double chi_square(const Graph& graph, const FactorData& factor);
 
-/// Sum of all factors' costs, robust losses applied (Ceres' cost: half of the squares).
+/// Sum of all factors' costs, robust losses applied: half of the squares.
 double total_cost(const Graph& graph);
 
 }  // namespace sgraph

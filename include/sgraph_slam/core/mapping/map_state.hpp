@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "sgraph_slam/core/graph/graph.hpp"
+#include "sgraph_slam/core/graph/recent_solver.hpp"
 #include "sgraph_slam/core/mapping/params.hpp"
 #include "sgraph_slam/core/mapping/submap.hpp"
 #include "sgraph_slam/core/places/topological_layer.hpp"
@@ -26,6 +27,7 @@ struct MapState {
   MappingParams params;
   Pose T_base_lidar;
   Graph graph;
+  RecentSolver recent;
   PlaneMap planes;
   Submap submap;
   OdometryDrift drift;

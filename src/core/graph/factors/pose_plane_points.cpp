@@ -2,7 +2,6 @@
 
 #include <limits>
 
-#include <ceres/cost_function.h>
 #include <Eigen/Dense>
 
 #include "plane_observation.hpp"
@@ -30,6 +29,6 @@ SqrtScatter sqrt_scatter(const Eigen::Matrix4d& scatter, double sigma_point, dou
   return qr.matrixQR().triangularView<Eigen::Upper>();
 }
 
-CostPtr make_cost(const PosePlanePoints& factor) { return make_plane_observation(factor.points, Eigen::Vector3d::Zero(), factor.T_base_lidar); }
+CostPtr make_cost(const PosePlanePoints& factor) { return make_cost(PlaneObservation::of(factor)); }
 
 }  // namespace sgraph

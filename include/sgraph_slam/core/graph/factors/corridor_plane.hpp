@@ -24,6 +24,19 @@ struct CorridorPlane {
   PlaneId plane;
   CorridorSide side = CorridorSide::right;
   double sigma = 0.02;  ///< standard deviation [m]
+
+  static constexpr const char* type = "corridor_plane";
+  static constexpr int residuals = 1;
+  static constexpr int rank = 1;
+  [[nodiscard]] CorridorId constants_of() const { return corridor; }
+
+  template <class Self, class Visitor>
+  static void describe(Self& f, Visitor& v) {
+    v.block("corridor", f.corridor);
+    v.block("plane", f.plane);
+    v.choice("side", f.side, {CorridorSide::right, CorridorSide::left});
+    v.sigma("sigma", f.sigma);
+  }
 };
 
 /// `corridor`: for its constants.

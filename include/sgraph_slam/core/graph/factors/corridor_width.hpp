@@ -15,6 +15,18 @@ struct CorridorWidth {
   KeyframeId keyframe;
   double measured = 0;  ///< [m]
   double sigma = 0.02;  ///< standard deviation [m]
+
+  static constexpr const char* type = "corridor_width";
+  static constexpr int residuals = 1;
+  static constexpr int rank = 1;
+
+  template <class Self, class Visitor>
+  static void describe(Self& f, Visitor& v) {
+    v.block("corridor", f.corridor);
+    v.field("keyframe", f.keyframe);
+    v.field("measured", f.measured);
+    v.sigma("sigma", f.sigma);
+  }
 };
 
 CostPtr make_cost(const CorridorWidth& factor);

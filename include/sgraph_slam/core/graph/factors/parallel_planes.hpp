@@ -15,6 +15,16 @@ struct ParallelPlanes {
   PlaneId a;
   PlaneId b;
   double sigma = 0.0175;  ///< standard deviation of the angle [rad]
+
+  static constexpr const char* type = "parallel_planes";
+  static constexpr int residuals = 3;
+  static constexpr int rank = 2;
+
+  template <class Self, class Visitor>
+  static void describe(Self& f, Visitor& v) {
+    v.blocks("planes", f.a, f.b);
+    v.sigma("sigma", f.sigma);
+  }
 };
 
 CostPtr make_cost(const ParallelPlanes& factor);

@@ -14,6 +14,16 @@ struct PerpendicularPlanes {
   PlaneId a;
   PlaneId b;
   double sigma = 0.0175;  ///< standard deviation of the angle [rad]
+
+  static constexpr const char* type = "perpendicular_planes";
+  static constexpr int residuals = 1;
+  static constexpr int rank = 1;
+
+  template <class Self, class Visitor>
+  static void describe(Self& f, Visitor& v) {
+    v.blocks("planes", f.a, f.b);
+    v.sigma("sigma", f.sigma);
+  }
 };
 
 CostPtr make_cost(const PerpendicularPlanes& factor);

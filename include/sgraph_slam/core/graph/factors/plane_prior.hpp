@@ -16,6 +16,17 @@ struct PlanePrior {
   PlaneId plane;
   Plane prior;                ///< map frame
   SqrtInformation<3> weight;  ///< of [two angles in tangent_basis(prior.normal); d]
+
+  static constexpr const char* type = "plane_prior";
+  static constexpr int residuals = 3;
+  static constexpr int rank = 3;
+
+  template <class Self, class Visitor>
+  static void describe(Self& f, Visitor& v) {
+    v.block("plane", f.plane);
+    v.field("prior", f.prior);
+    v.field("sqrt_information", f.weight);
+  }
 };
 
 CostPtr make_cost(const PlanePrior& factor);

@@ -22,6 +22,19 @@ struct PosePlane {
   Plane measured;             ///< LiDAR frame, normal towards the LiDAR
   Pose T_base_lidar;          ///< constant extrinsic
   SqrtInformation<3> weight;  ///< of [two angles in tangent_basis(measured.normal); d]
+
+  static constexpr const char* type = "pose_plane";
+  static constexpr int residuals = 3;
+  static constexpr int rank = 3;
+
+  template <class Self, class Visitor>
+  static void describe(Self& f, Visitor& v) {
+    v.block("keyframe", f.keyframe);
+    v.block("plane", f.plane);
+    v.field("measured", f.measured);
+    v.field("base_lidar", f.T_base_lidar);
+    v.field("sqrt_information", f.weight);
+  }
 };
 
 CostPtr make_cost(const PosePlane& factor);

@@ -31,6 +31,18 @@ struct PosePlanePoints {
   PlaneId plane;
   SqrtScatter points = SqrtScatter::Zero();  ///< LiDAR frame
   Pose T_base_lidar;                         ///< constant extrinsic
+
+  static constexpr const char* type = "pose_plane_points";
+  static constexpr int residuals = 3;
+  static constexpr int rank = 3;
+
+  template <class Self, class Visitor>
+  static void describe(Self& f, Visitor& v) {
+    v.block("keyframe", f.keyframe);
+    v.block("plane", f.plane);
+    v.field("sqrt_scatter", f.points);
+    v.field("base_lidar", f.T_base_lidar);
+  }
 };
 
 CostPtr make_cost(const PosePlanePoints& factor);

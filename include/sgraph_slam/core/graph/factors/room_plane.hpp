@@ -26,6 +26,19 @@ struct RoomPlane {
   PlaneId plane;
   RoomSide side = RoomSide::x_low;
   double sigma = 0.02;  ///< standard deviation [m]
+
+  static constexpr const char* type = "room_plane";
+  static constexpr int residuals = 1;
+  static constexpr int rank = 1;
+  [[nodiscard]] RoomId constants_of() const { return room; }
+
+  template <class Self, class Visitor>
+  static void describe(Self& f, Visitor& v) {
+    v.block("room", f.room);
+    v.block("plane", f.plane);
+    v.choice("side", f.side, {RoomSide::x_low, RoomSide::x_high, RoomSide::y_low, RoomSide::y_high});
+    v.sigma("sigma", f.sigma);
+  }
 };
 
 /// `room`: for its constants (yaw, z).

@@ -16,6 +16,19 @@ struct RoomWidth {
   int axis = 0;         ///< 0: along the room's x, 1: along its y
   double measured = 0;  ///< [m]
   double sigma = 0.02;  ///< standard deviation [m]
+
+  static constexpr const char* type = "room_width";
+  static constexpr int residuals = 1;
+  static constexpr int rank = 1;
+
+  template <class Self, class Visitor>
+  static void describe(Self& f, Visitor& v) {
+    v.block("room", f.room);
+    v.field("keyframe", f.keyframe);
+    v.index("axis", f.axis, 2);
+    v.field("measured", f.measured);
+    v.sigma("sigma", f.sigma);
+  }
 };
 
 CostPtr make_cost(const RoomWidth& factor);

@@ -21,6 +21,19 @@ struct Se3Between {
   Pose T_from_to;             ///< measurement Z
   SqrtInformation<6> weight;  ///< covariance order rotation, translation; right perturbation of Z
   Source source = Source::odometry;
+
+  static constexpr const char* type = "se3_between";
+  static constexpr int residuals = 6;
+  static constexpr int rank = 6;
+
+  template <class Self, class Visitor>
+  static void describe(Self& f, Visitor& v) {
+    v.block("from", f.from);
+    v.block("to", f.to);
+    v.field("pose", f.T_from_to);
+    v.field("sqrt_information", f.weight);
+    v.type(f.source, "se3_between", Source::odometry, "loop", Source::loop);
+  }
 };
 
 CostPtr make_cost(const Se3Between& factor);

@@ -20,6 +20,18 @@ struct WallThickness {
   double thickness = 0;                             ///< [m]
   double sigma = 0.02;                              ///< standard deviation [m]
   Eigen::Vector3d point = Eigen::Vector3d::Zero();  ///< map frame [m]
+
+  static constexpr const char* type = "wall_thickness";
+  static constexpr int residuals = 1;
+  static constexpr int rank = 1;
+
+  template <class Self, class Visitor>
+  static void describe(Self& f, Visitor& v) {
+    v.blocks("planes", f.a, f.b);
+    v.sigma("sigma", f.sigma);
+    v.field("thickness", f.thickness);
+    v.field("point", f.point);
+  }
 };
 
 CostPtr make_cost(const WallThickness& factor);
