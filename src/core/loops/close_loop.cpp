@@ -1,3 +1,5 @@
+#include "sgraph_slam/core/loops/close_loop.hpp"
+
 #include <cmath>
 #include <iomanip>
 #include <optional>
@@ -6,7 +8,6 @@
 #include <Eigen/Eigenvalues>
 
 #include "sgraph_slam/core/loops/scan_matcher.hpp"
-#include "sgraph_slam/core/mapping/map_state.hpp"
 #include "sgraph_slam/core/math/se3.hpp"
 
 namespace sgraph {
@@ -16,15 +17,14 @@ constexpr int neighbours = 2;     // keyframes before and after the old one whos
 constexpr int marginals_age = 5;  // keyframes
 
 // The nearest keyframe far back along the path.
-std::optional<KeyframeId> candidate(const MapState& state) {
-  const LoopParams& params = state.params.loops;
-  const KeyframeId now = state.newest();
-  const Eigen::Vector3d here = state.graph.find(now)->translation;
+std::optional<KeyframeId> candidate(const Graph& graph, const std::map<KeyframeId, Keyframe>& keyframes, const OdometryDrift& drift, KeyframeId now,
+                                    const LoopParams& params) {
+  const Eigen::Vector3d here = graph.find(now)->translation;
   std::optional<KeyframeId> nearest;
   double least = params.max_distance;
-  for (const auto& [id, keyframe] : state.keyframes) {
-    if (state.drift.path(id, now) < params.min_path) break;
-    const double distance = (state.graph.find(id)->translation - here).norm();
+  for (const auto& [id, keyframe] : keyframes) {
+    if (drift.path(id, now) < params.min_path) break;
+    const double distance = (graph.find(id)->translation - here).norm();
     if (distance < least && keyframe.cloud && !keyframe.cloud->empty()) {
       least = distance;
       nearest = id;
@@ -34,23 +34,23 @@ std::optional<KeyframeId> candidate(const MapState& state) {
 }
 
 // How uncertain the graph is about the motion between the two [m]: the largest standard deviation of the translation, in the newer one's frame.
-double relative_sigma(const MapState& state, const Marginals& marginals, KeyframeId known, KeyframeId from) {
+double relative_sigma(const Graph& graph, const Marginals& marginals, KeyframeId known, KeyframeId from) {
   const auto joint = marginals.joint({from, known});
   if (!joint) return 0;
   Eigen::Matrix<double, 6, 12> J;
-  J << -se3_adjoint(state.graph.find(known)->inverse() * *state.graph.find(from)), Matrix6::Identity();
+  J << -se3_adjoint(graph.find(known)->inverse() * *graph.find(from)), Matrix6::Identity();
   const Matrix6 covariance = J * *joint * J.transpose();
   return std::sqrt(std::max(0.0, Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(covariance.bottomRightCorner<3, 3>()).eigenvalues().maxCoeff()));
 }
 
 // The clouds around a keyframe, in its base frame.
-Cloud cloud_around(const MapState& state, KeyframeId center) {
+Cloud cloud_around(const Graph& graph, const std::map<KeyframeId, Keyframe>& keyframes, const Pose& T_base_lidar, KeyframeId center) {
   Cloud all;
-  const Pose T_center_map = state.graph.find(center)->inverse();
-  for (auto keyframe = state.keyframes.lower_bound({center.value - neighbours});
-       keyframe != state.keyframes.end() && keyframe->first.value <= center.value + neighbours; ++keyframe) {
+  const Pose T_center_map = graph.find(center)->inverse();
+  for (auto keyframe = keyframes.lower_bound({center.value - neighbours});
+       keyframe != keyframes.end() && keyframe->first.value <= center.value + neighbours; ++keyframe) {
     if (!keyframe->second.cloud) continue;
-    const Pose T = T_center_map * *state.graph.find(keyframe->first) * state.T_base_lidar;
+    const Pose T = T_center_map * *graph.find(keyframe->first) * T_base_lidar;
     for (const Point& point : keyframe->second.cloud->points) {
       const Eigen::Vector3f p = (T * point.position().cast<double>()).cast<float>();
       Point& moved = all.points.emplace_back(point);
@@ -64,38 +64,41 @@ Cloud cloud_around(const MapState& state, KeyframeId center) {
 
 }  // namespace
 
-bool close_loop(MapState& state) {
-  const LoopParams& params = state.params.loops;
-  const KeyframeId now = state.newest();
-  if (!params.enabled || (state.last_loop_tried.valid() && state.drift.path(state.last_loop_tried, now) < params.min_interval)) return false;
-  const auto from = candidate(state);
+bool close_loop(Committer& committer, LoopCloser& loops, const std::map<KeyframeId, Keyframe>& keyframes, const OdometryDrift& drift,
+                MarginalsCache& cache) {
+  const LoopParams& params = loops.params;
+  const Graph& graph = committer.graph;
+  const KeyframeId now = committer.newest();
+  if (!params.enabled || (loops.last_tried.valid() && drift.path(loops.last_tried, now) < params.min_interval)) return false;
+  const auto from = candidate(graph, keyframes, drift, now, params);
   if (!from) return false;
-  state.last_loop_tried = now;
-  const Marginals* marginals = state.marginals.get(state.graph, marginals_age);
+  loops.last_tried = now;
+  const Marginals* marginals = cache.get(graph, marginals_age);
   // What the walls hold already needs no scan matching.
-  if (!marginals || relative_sigma(state, *marginals, state.marginals.newest(), *from) < params.min_sigma) return false;
+  if (!marginals || relative_sigma(graph, *marginals, cache.newest(), *from) < params.min_sigma) return false;
   const std::string what = "loop keyframe/" + std::to_string(from->value) + " to keyframe/" + std::to_string(now.value);
-  const Pose expected = state.graph.find(*from)->inverse() * *state.graph.find(now);
-  const ScanMatch match = match_scans(cloud_around(state, *from), cloud_around(state, now), expected, params);
+  const Pose expected = graph.find(*from)->inverse() * *graph.find(now);
+  const ScanMatch match = match_scans(cloud_around(graph, keyframes, loops.T_base_lidar, *from),
+                                      cloud_around(graph, keyframes, loops.T_base_lidar, now), expected, params);
   std::ostringstream figures;
   figures << std::setprecision(3) << "fitness " << match.fitness << " m^2, overlap " << match.overlap;
   if (match.failure != MatchFailure::none) {
-    state.log.push_back({now, false, what, std::string(to_string(match.failure)) + ": " + figures.str()});
+    committer.note(false, what, std::string(to_string(match.failure)) + ": " + figures.str());
     return false;
   }
   Vector6 tiny;
   tiny.setConstant(1e-6);
   const Se3Between loop{*from, now, match.T_target_source, SqrtInformation<6>::from_covariance(match.covariance, tiny), Se3Between::Source::loop};
-  marginals = state.marginals.get(state.graph, 0);
-  const double chi_square = marginals ? innovation_chi_square(state.graph, *marginals, loop) : params.chi_square;
+  marginals = cache.get(graph, 0);
+  const double chi_square = marginals ? innovation_chi_square(graph, *marginals, loop) : params.chi_square;
   figures << ", chi-square " << chi_square;
   const bool consistent = chi_square < params.chi_square;  // false for NaN
-  state.log.push_back({now, consistent, what, (consistent ? "" : "contradicts the graph: ") + figures.str()});
+  committer.note(consistent, what, (consistent ? "" : "contradicts the graph: ") + figures.str());
   if (!consistent) return false;
   Transaction edit;
   edit.reason = what;
-  add_factor(edit, loop, RobustLoss::cauchy(params.loss_scale));
-  return commit(state, edit).ok();
+  edit.add(loop, RobustLoss::cauchy(params.loss_scale));
+  return committer.commit(edit).ok();
 }
 
 }  // namespace sgraph

@@ -4,8 +4,14 @@
 #include <cmath>
 
 #include "sgraph_slam/core/graph/solver.hpp"
+#include "sgraph_slam/core/mapping/add_keyframe.hpp"
+#include "sgraph_slam/core/mapping/make_snapshot.hpp"
 #include "sgraph_slam/core/mapping/map_state.hpp"
+#include "sgraph_slam/core/places/place_factors.hpp"
 #include "sgraph_slam/core/places/topology.hpp"
+#include "sgraph_slam/core/planes/add_observations.hpp"
+#include "sgraph_slam/core/planes/drop_planes.hpp"
+#include "sgraph_slam/core/planes/merge_duplicates.hpp"
 #include "sgraph_slam/core/planes/passages.hpp"
 
 namespace sgraph {
@@ -28,7 +34,7 @@ class BackEnd::Implementation {
   GraphSnapshotPtr process(const Keyframe& keyframe, const PlaneSegments& segments) {
     if (!add_keyframe(state_, keyframe)) return snapshot_;
     optimized_ = false;
-    const AssociationResult seen = add_observations(state_, segments);
+    const AssociationResult seen = add_observations(committer_, state_.planes, keyframe, segments);
     ++since_global_;
     summary_ = {};
     if (state_.params.solving.window > 0) solve_window();
@@ -37,10 +43,10 @@ class BackEnd::Implementation {
       const std::vector<Wall> walls = counted_walls();
       state_.layer.judge(state_.graph, walls, &seen.seen, keyframe.id, state_.log);
       visit(walls, keyframe.id);
-      synchronise(state_);
-      add_widths(state_, segments);
+      synchronise(committer_, state_.layer, state_.planes.map, state_.params.topology);
+      add_widths(committer_, state_.layer, segments, seen.planes, state_.params.topology);
     }
-    const bool looped = close_loop(state_);
+    const bool looped = close_loop(committer_, state_.loops, state_.keyframes, state_.planes.drift, state_.planes.marginals);
     if (looped || wants_global(seen)) solve_global(state_.params.solving.iterations);
     place_odometry();
     snapshot_ = make_snapshot(state_, snapshot_->version + 1, summary_, false);
@@ -87,29 +93,29 @@ class BackEnd::Implementation {
   }
 
   void solve_global(int iterations, bool all_pairs = false) {
-    drop_passing_planes(state_, all_pairs);
+    drop_passing_planes(committer_, state_.planes, all_pairs);
     SolverOptions options;
     options.max_iterations = iterations;
     note(solve(state_.graph, options));
     since_global_ = 0;
-    state_.marginals.forget();
-    state_.planes.refresh(state_.graph, state_.frame);
+    state_.planes.marginals.forget();
+    state_.planes.map.refresh(state_.graph, state_.planes.frame);
     update_frame();
     std::set<PlanePair> shown;
     shown.swap(pending_);
-    merge_duplicates(state_, shown, all_pairs);
+    merge_duplicates(committer_, state_.planes, shown, all_pairs, state_.params.solving.iterations);
     if (!state_.params.topological_layer) return;
     const std::vector<Wall> walls = counted_walls();
-    state_.layer.judge(state_.graph, walls, nullptr, state_.newest(), state_.log);
+    state_.layer.judge(state_.graph, walls, nullptr, committer_.newest(), state_.log);
     revisit(walls);
-    synchronise(state_);
-    add_wall_faces(state_);
+    synchronise(committer_, state_.layer, state_.planes.map, state_.params.topology);
+    add_wall_faces(committer_, state_.planes.map, state_.params.merging.max_angle, state_.params.topology);
     find_openings();
   }
 
   [[nodiscard]] std::vector<Wall> counted_walls() const {
-    std::vector<Wall> walls = state_.planes.walls(static_cast<std::size_t>(state_.params.topology.min_views), state_.params.topology.min_height);
-    const std::vector<Eigen::Vector2d> path = path_of(state_);
+    std::vector<Wall> walls = state_.planes.map.walls(static_cast<std::size_t>(state_.params.topology.min_views), state_.params.topology.min_height);
+    const std::vector<Eigen::Vector2d> path = path_of(state_.graph);
     for (Wall& wall : walls) open_passages(wall, path);
     walls.erase(std::remove_if(walls.begin(), walls.end(), [](const Wall& wall) { return wall.support.empty(); }), walls.end());
     return walls;
@@ -117,16 +123,16 @@ class BackEnd::Implementation {
 
   void update_frame() {
     if (!state_.params.semantics.dominant_frame) {
-      state_.frame = {0, 1};
+      state_.planes.frame = {0, 1};
       return;
     }
-    state_.frame = estimate_dominant_frame(wall_directions(state_.planes), state_.frame, frame_params());
+    state_.planes.frame = estimate_dominant_frame(wall_directions(state_.planes.map), state_.planes.frame, frame_params());
   }
 
   void visit(const std::vector<Wall>& walls, KeyframeId at) {
-    const Visit here{state_.newest(), ground(*state_.graph.find(at)), state_.frame.yaw};
+    const Visit here{committer_.newest(), ground(*state_.graph.find(at)), state_.planes.frame.yaw};
     for (const PlanePair& pair : state_.layer.visit(state_.graph, walls, here, state_.log)) {
-      if (state_.params.merging.by_places && state_.refused_merges.count(pair) == 0) pending_.insert(pair);
+      if (state_.params.merging.by_places && state_.planes.refused_merges.count(pair) == 0) pending_.insert(pair);
     }
   }
 
@@ -148,7 +154,7 @@ class BackEnd::Implementation {
     for (const auto& [id, keyframe] : state_.keyframes) {
       if (!state_.layer.covers(ground(*state_.graph.find(id)))) visit(walls, id);
     }
-    synchronise(state_);
+    synchronise(committer_, state_.layer, state_.planes.map, state_.params.topology);
   }
 
   void find_openings() {
@@ -162,7 +168,7 @@ class BackEnd::Implementation {
   }
 
   void find_covariances() {
-    const Marginals* marginals = state_.marginals.get(state_.graph, 0);
+    const Marginals* marginals = state_.planes.marginals.get(state_.graph, 0);
     if (!marginals) return;
     state_.plane_covariances.clear();
     for (const auto& [id, plane] : state_.graph.planes()) {
@@ -176,6 +182,7 @@ class BackEnd::Implementation {
   }
 
   MapState state_;
+  Committer committer_{state_.graph, state_.log};
   GraphSnapshotPtr snapshot_;
   SolveSummary summary_;
   std::set<PlanePair> pending_;  // planes that a place showed to be one

@@ -1,8 +1,8 @@
+#include "sgraph_slam/core/places/place_factors.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <optional>
-
-#include "sgraph_slam/core/mapping/map_state.hpp"
 
 namespace sgraph {
 namespace {
@@ -12,21 +12,13 @@ constexpr double max_thickness = 0.5;      // [m]
 constexpr std::size_t min_views = 3;       // of each face
 constexpr std::size_t min_walls = 4;       // whose thicknesses agree
 
-// Of each plane seen from the newest keyframe the largest segment.
-std::map<PlaneId, const PlaneSegment*> segments_of_planes(const MapState& state, const PlaneSegments& segments) {
+// Of each plane the largest segment that was taken for it. A plane may have been merged since.
+std::map<PlaneId, const PlaneSegment*> segments_of_planes(const Graph& graph, const PlaneSegments& segments, const std::vector<PlaneId>& planes) {
   std::map<PlaneId, const PlaneSegment*> seen;
-  const KeyframeId now = state.newest();
-  for (const auto& [id, record] : state.planes.records()) {
-    if (record.last_seen != now) continue;
-    for (const PlaneObservation& view : record.observations) {
-      if (view.keyframe != now) continue;
-      for (const PlaneSegment& segment : segments.segments) {
-        if (segment.extent.empty() || view.outline_base.empty() ||
-            !((state.T_base_lidar * segment.extent.front() - view.outline_base.front()).norm() < 1e-9))
-          continue;
-        if (seen.count(id) == 0 || seen[id]->count < segment.count) seen[id] = &segment;
-      }
-    }
+  for (std::size_t i = 0; i < std::min(planes.size(), segments.segments.size()); ++i) {
+    if (!planes[i].valid()) continue;
+    const PlaneSegment*& largest = seen[graph.representative(planes[i])];
+    if (!largest || largest->count < segments.segments[i].count) largest = &segments.segments[i];
   }
   return seen;
 }
@@ -46,18 +38,18 @@ std::optional<SeenWidth> seen_width(const PlaneSegment* a, const PlaneSegment* b
   return SeenWidth{a->plane.distance(middle) + b->plane.distance(middle), std::sqrt(angle2 + added_sigma * added_sigma)};
 }
 
-double place_height(const MapState& state, const Eigen::Vector2d& center, const std::vector<PlaneId>& walls) {
+double place_height(const Graph& graph, const PlaneMap& planes, const Eigen::Vector2d& center, const std::vector<PlaneId>& walls) {
   std::optional<double> floor;
   std::optional<double> ceiling;
   double wall_sum = 0;
   for (const PlaneId id : walls) {
-    const PlaneRecord* record = state.planes.find(id);
+    const PlaneRecord* record = planes.find(id);
     wall_sum += record ? outline_center(record->outline).z() : 0;
   }
   const double middle = walls.empty() ? 0 : wall_sum / static_cast<double>(walls.size());
-  for (const auto& [id, record] : state.planes.records()) {
+  for (const auto& [id, record] : planes.records()) {
     if (record.plane_class != PlaneClass::horizontal) continue;
-    const Plane& plane = *state.graph.find(id);
+    const Plane& plane = *graph.find(id);
     const double z = -(plane.d + plane.normal.head<2>().dot(center)) / plane.normal.z();
     const Eigen::Vector3d foot(center.x(), center.y(), z);
     if (outline_distance(plane, record.outline, {foot}) > 0.5) continue;
@@ -69,36 +61,36 @@ double place_height(const MapState& state, const Eigen::Vector2d& center, const 
 
 }  // namespace
 
-void add_widths(MapState& state, const PlaneSegments& segments) {
-  const TopologyParams& params = state.params.topology;
+void add_widths(Committer& committer, const TopologicalLayer& layer, const PlaneSegments& segments, const std::vector<PlaneId>& planes,
+                const TopologyParams& params) {
   if (!params.width_factors) return;
-  const auto seen = segments_of_planes(state, segments);
+  const auto seen = segments_of_planes(committer.graph, segments, planes);
+  const KeyframeId now = committer.newest();
   const auto segment_of = [&](PlaneId id) {
     const auto found = seen.find(id);
     return found == seen.end() ? nullptr : found->second;
   };
   Transaction edit;
-  edit.reason = "widths seen by keyframe/" + std::to_string(state.newest().value);
+  edit.reason = "widths seen by keyframe/" + std::to_string(now.value);
   const RobustLoss loss = RobustLoss::cauchy(params.loss_scale);
-  for (const auto& [id, room] : state.layer.rooms()) {
-    if (!state.graph.find(id)) continue;
+  for (const auto& [id, room] : layer.rooms()) {
+    if (!committer.graph.find(id)) continue;
     for (const int axis : {0, 1}) {
       const auto& walls = room.shape.walls;
       const auto width = seen_width(segment_of(walls[static_cast<std::size_t>(2 * axis)]), segment_of(walls[static_cast<std::size_t>(2 * axis + 1)]),
                                     params.width_sigma);
-      if (width && width->width > 0) add_factor(edit, RoomWidth{id, state.newest(), axis, width->width, width->sigma}, loss);
+      if (width && width->width > 0) edit.add(RoomWidth{id, now, axis, width->width, width->sigma}, loss);
     }
   }
-  for (const auto& [id, corridor] : state.layer.corridors()) {
-    if (!state.graph.find(id)) continue;
+  for (const auto& [id, corridor] : layer.corridors()) {
+    if (!committer.graph.find(id)) continue;
     const auto width = seen_width(segment_of(corridor.shape.walls[0]), segment_of(corridor.shape.walls[1]), params.width_sigma);
-    if (width && width->width > 0) add_factor(edit, CorridorWidth{id, state.newest(), width->width, width->sigma}, loss);
+    if (width && width->width > 0) edit.add(CorridorWidth{id, now, width->width, width->sigma}, loss);
   }
-  if (!edit.factors.empty()) commit(state, edit);
+  if (!edit.factors.empty()) committer.commit(edit);
 }
 
-void add_wall_faces(MapState& state) {
-  const TopologyParams& params = state.params.topology;
+void add_wall_faces(Committer& committer, const PlaneMap& planes, double max_angle, const TopologyParams& params) {
   if (!params.thickness_factors) return;
   struct Faces {
     PlanePair planes;
@@ -106,13 +98,13 @@ void add_wall_faces(MapState& state) {
     Eigen::Vector3d point;
   };
   std::vector<Faces> all;
-  const std::vector<Wall> walls = state.planes.walls();
+  const std::vector<Wall> walls = planes.walls();
   for (std::size_t i = 0; i < walls.size(); ++i) {
     for (std::size_t k = i + 1; k < walls.size(); ++k) {
-      const auto pair = facing_pair(walls[i], walls[k], state.params.merging.max_angle);
+      const auto pair = facing_pair(walls[i], walls[k], max_angle);
       if (!pair || pair->width > -0.03 || pair->width < -max_thickness || pair->common.length() < min_faces_overlap) continue;
-      const PlaneRecord& a = *state.planes.find(walls[i].id);
-      const PlaneRecord& b = *state.planes.find(walls[k].id);
+      const PlaneRecord& a = *planes.find(walls[i].id);
+      const PlaneRecord& b = *planes.find(walls[k].id);
       if (a.keyframes.size() < min_views || b.keyframes.size() < min_views) continue;
       const Eigen::Vector2d along(-pair->axis.y(), pair->axis.x());
       const Eigen::Vector2d at = pair->common.center() * along + 0.5 * (pair->s1 + pair->s2) * pair->axis;
@@ -126,37 +118,38 @@ void add_wall_faces(MapState& state) {
   const double usual = thicknesses[thicknesses.size() / 2];
   Transaction edit;
   edit.reason = "faces of walls";
-  for (const auto& [id, factor] : state.graph.factors()) {
+  for (const auto& [id, factor] : committer.graph.factors()) {
     if (std::holds_alternative<WallThickness>(factor.data)) edit.remove_factors.push_back(id);
   }
   for (const Faces& faces : all) {
     if (std::abs(faces.thickness - usual) > 2 * params.thickness_sigma) continue;
-    add_factor(edit, WallThickness{faces.planes.first, faces.planes.second, usual, params.thickness_sigma, faces.point},
-               RobustLoss::cauchy(params.loss_scale));
+    edit.add(WallThickness{faces.planes.first, faces.planes.second, usual, params.thickness_sigma, faces.point},
+             RobustLoss::cauchy(params.loss_scale));
   }
-  commit(state, edit);
+  committer.commit(edit);
 }
 
-void synchronise(MapState& state) {
+void synchronise(Committer& committer, const TopologicalLayer& layer, const PlaneMap& planes, const TopologyParams& params) {
   PlaceHeights heights;
-  for (const auto& [id, room] : state.layer.rooms()) {
-    heights.rooms[id] = place_height(state, room.shape.area.center, {room.shape.walls.begin(), room.shape.walls.end()});
+  for (const auto& [id, room] : layer.rooms()) {
+    heights.rooms[id] = place_height(committer.graph, planes, room.shape.area.center, {room.shape.walls.begin(), room.shape.walls.end()});
   }
-  for (const auto& [id, corridor] : state.layer.corridors()) {
-    heights.corridors[id] = place_height(state, corridor.shape.area.center, {corridor.shape.walls.begin(), corridor.shape.walls.end()});
+  for (const auto& [id, corridor] : layer.corridors()) {
+    heights.corridors[id] =
+        place_height(committer.graph, planes, corridor.shape.area.center, {corridor.shape.walls.begin(), corridor.shape.walls.end()});
   }
-  const Transaction edit = synchronise_topology(state.graph, state.layer, heights, state.params.topology);
+  const Transaction edit = synchronise_topology(committer.graph, layer, heights, params);
   const bool empty =
       edit.rooms.empty() && edit.corridors.empty() && edit.factors.empty() && edit.remove_factors.empty() && edit.remove_variables.empty();
-  if (!empty && !commit(state, edit).ok()) return;
+  if (!empty && !committer.commit(edit).ok()) return;
   // What the graph holds constant follows the walls; position and width start from them too.
-  for (const auto& [id, room] : state.layer.rooms()) {
+  for (const auto& [id, room] : layer.rooms()) {
     const auto& area = room.shape.area;
-    state.graph.set(id, Room::at({area.center.x(), area.center.y(), heights.rooms[id]}, area.yaw, area.size));
+    committer.graph.set(id, Room::at({area.center.x(), area.center.y(), heights.rooms[id]}, area.yaw, area.size));
   }
-  for (const auto& [id, corridor] : state.layer.corridors()) {
+  for (const auto& [id, corridor] : layer.corridors()) {
     const auto& area = corridor.shape.area;
-    state.graph.set(id, Corridor::at({area.center.x(), area.center.y(), heights.corridors[id]}, area.yaw, area.size.y()));
+    committer.graph.set(id, Corridor::at({area.center.x(), area.center.y(), heights.corridors[id]}, area.yaw, area.size.y()));
   }
 }
 

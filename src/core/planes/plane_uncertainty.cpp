@@ -9,16 +9,6 @@ constexpr double small_angle = 0.008;    // a bound below these two needs no mar
 constexpr double small_distance = 0.03;  // [m]
 }  // namespace
 
-const Marginals* MarginalsCache::get(const Graph& graph, int max_age) {
-  if (graph.keyframes().empty()) return nullptr;
-  const KeyframeId latest = graph.keyframes().rbegin()->first;
-  if (!marginals_ || latest.value - newest_.value > max_age) {
-    marginals_ = std::make_unique<Marginals>(graph);
-    newest_ = latest;
-  }
-  return marginals_->ok() ? marginals_.get() : nullptr;
-}
-
 PlaneUncertainty::PlaneUncertainty(const Graph& graph, const PlaneMap& planes, const OdometryDrift& drift, MarginalsCache& cache, KeyframeId now)
     : graph_(graph), planes_(planes), drift_(drift), cache_(cache), now_(now) {}
 

@@ -6,10 +6,10 @@
 #include <cmath>
 #include <random>
 
+#include "sgraph_slam/core/graph/odometry_drift.hpp"
 #include "sgraph_slam/core/math/se3.hpp"
 #include "sgraph_slam/core/math/so3.hpp"
 #include "sgraph_slam/core/planes/merging.hpp"
-#include "sgraph_slam/core/planes/odometry_drift.hpp"
 #include "support/mapped_building.hpp"
 
 namespace sgraph {

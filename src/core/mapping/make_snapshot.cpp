@@ -1,11 +1,12 @@
+#include "sgraph_slam/core/mapping/make_snapshot.hpp"
+
 #include "sgraph_slam/core/graph/serialization.hpp"
-#include "sgraph_slam/core/mapping/map_state.hpp"
 
 namespace sgraph {
 namespace {
 
 void add_planes(const MapState& state, bool with_observations, GraphSnapshot& snapshot) {
-  for (const auto& [id, record] : state.planes.records()) {
+  for (const auto& [id, record] : state.planes.map.records()) {
     const Plane* plane = state.graph.find(id);
     if (!plane) continue;
     ScenePlane& scene = snapshot.planes[id];
@@ -51,7 +52,7 @@ GraphSnapshotPtr make_snapshot(const MapState& state, std::int64_t version, cons
   auto snapshot = std::make_shared<GraphSnapshot>();
   snapshot->version = version;
   snapshot->T_map_odom = state.T_map_odom;
-  snapshot->dominant_yaw = state.frame.yaw;
+  snapshot->dominant_yaw = state.planes.frame.yaw;
   for (const auto& [id, keyframe] : state.keyframes) {
     SceneKeyframe& scene = snapshot->keyframes[id];
     scene.id = id;

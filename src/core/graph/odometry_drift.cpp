@@ -1,4 +1,4 @@
-#include "sgraph_slam/core/planes/odometry_drift.hpp"
+#include "sgraph_slam/core/graph/odometry_drift.hpp"
 
 #include <cmath>
 

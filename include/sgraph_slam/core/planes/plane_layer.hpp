@@ -1,0 +1,37 @@
+#pragma once
+
+#include <map>
+#include <set>
+
+#include "sgraph_slam/core/graph/marginals_cache.hpp"
+#include "sgraph_slam/core/graph/odometry_drift.hpp"
+#include "sgraph_slam/core/planes/dominant_frame.hpp"
+#include "sgraph_slam/core/planes/merging.hpp"
+#include "sgraph_slam/core/planes/params.hpp"
+#include "sgraph_slam/core/planes/plane_map.hpp"
+
+namespace sgraph {
+
+/// What the steps of the metric-semantic layer are told of.
+struct PlaneLayerParams {
+  FactorParams factors;
+  AssociationParams association;
+  SemanticsParams semantics;
+  MergeParams merging;
+};
+
+/// The metric-semantic layer beside its estimates, which are the graph's. Data only; the functions of the layer's steps work on it.
+struct PlaneLayer {
+  PlaneLayer(const PlaneLayerParams& p, const Pose& extrinsic) : params(p), T_base_lidar(extrinsic), map(p.semantics) {}
+
+  PlaneLayerParams params;
+  Pose T_base_lidar;
+  PlaneMap map;
+  OdometryDrift drift;
+  MarginalsCache marginals;
+  DominantFrame frame;                            ///< of the building
+  std::map<PlanePair, KeyframeId> tested_merges;  ///< beyond their gate, and when that was found
+  std::set<PlanePair> refused_merges;             ///< merged once and undone
+};
+
+}  // namespace sgraph

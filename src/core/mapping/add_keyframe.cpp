@@ -1,0 +1,57 @@
+#include "sgraph_slam/core/mapping/add_keyframe.hpp"
+
+#include <cmath>
+
+#include "sgraph_slam/core/graph/committer.hpp"
+
+namespace sgraph {
+namespace {
+
+Matrix6 floored(Matrix6 covariance, const Keyframe& keyframe, const FactorParams& params) {
+  const double angle = params.keyframe_floor_angle;
+  const double distance = params.keyframe_floor_distance;
+  covariance.diagonal().head<3>().array() += angle * angle;
+  covariance.diagonal().tail<3>().array() += distance * distance;
+  for (const Vector6& v : keyframe.degenerate) {
+    const double sigma = std::hypot(v.head<3>().norm() * params.degenerate_angle, v.tail<3>().norm() * params.degenerate_distance);
+    covariance += sigma * sigma * v * v.transpose();
+  }
+  return covariance;
+}
+
+bool finite(const Pose& pose) {
+  return pose.rotation.coeffs().allFinite() && pose.translation.allFinite() && std::abs(pose.rotation.norm() - 1) < 1e-6;
+}
+
+}  // namespace
+
+bool add_keyframe(MapState& state, const Keyframe& keyframe) {
+  Committer committer{state.graph, state.log};
+  const auto refuse = [&](const char* reason) {
+    committer.note(false, "keyframe/" + std::to_string(keyframe.id.value), reason);
+    return false;
+  };
+  if (!finite(keyframe.T_odom_base) || !keyframe.covariance.allFinite()) return refuse("not finite");
+  if (!keyframe.id.valid() || (!state.keyframes.empty() && !(committer.newest() < keyframe.id))) return refuse("not newer than the last");
+  const Pose claimed = state.keyframes.empty() ? Pose{} : state.keyframes.rbegin()->second.T_odom_base.inverse() * keyframe.T_odom_base;
+  const KeyframeMotion motion = state.submap.add(keyframe, {claimed, keyframe.covariance});
+  const Matrix6 covariance = floored(motion.covariance, keyframe, state.params.factors);
+  Transaction edit;
+  edit.reason = "keyframe/" + std::to_string(keyframe.id.value);
+  if (state.keyframes.empty()) {
+    edit.keyframes[keyframe.id] = state.T_map_odom * keyframe.T_odom_base;
+  } else {
+    const Keyframe& last = state.keyframes.rbegin()->second;
+    edit.keyframes[keyframe.id] = *state.graph.find(last.id) * motion.T_last_now;
+    Vector6 tiny;
+    tiny << Eigen::Vector3d::Constant(1e-6), Eigen::Vector3d::Constant(1e-6);
+    edit.add(
+        Se3Between{last.id, keyframe.id, motion.T_last_now, SqrtInformation<6>::from_covariance(covariance, tiny), Se3Between::Source::odometry});
+  }
+  if (!committer.commit(edit).ok()) return false;
+  state.planes.drift.add(keyframe.id, keyframe.T_odom_base, covariance);
+  state.keyframes[keyframe.id] = keyframe;
+  return true;
+}
+
+}  // namespace sgraph

@@ -1,0 +1,72 @@
+#include "sgraph_slam/core/planes/drop_planes.hpp"
+
+#include <cmath>
+
+#include "sgraph_slam/core/planes/passages.hpp"
+
+namespace sgraph {
+namespace {
+
+constexpr std::size_t known_better = 5;  // times as many views
+constexpr std::size_t few_views = 5;     // of a plane that the robot walked through: with more it is a wall with a passage
+constexpr double leaning = 0.026;        // [rad] of a plane against the wall that it lies at
+
+// Whether a plane lies beside one that is known much better, in front of it or within it: what segmentation made of a wall and something before it,
+// of a wall through a pane, of a person at a wall. Seen more than rarely it may be a wall's thicker part, but not when it leans against the wall.
+bool is_ghost(const Graph& graph, const PlaneLayer& planes, const PlaneRecord& record, bool rarely_seen) {
+  const AssociationParams& params = planes.params.association;
+  const Plane& plane = *graph.find(record.id);
+  const Eigen::Vector3d center = outline_center(record.outline);
+  for (const auto& [id, other] : planes.map.records()) {
+    if (other.keyframes.size() < known_better * record.keyframes.size()) continue;
+    const Plane& wall = *graph.find(id);
+    const double cosine = wall.normal.dot(plane.normal);
+    if (cosine < std::cos(params.max_angle) || std::abs(wall.distance(center)) > params.ghost_distance) continue;
+    if (!rarely_seen && cosine > std::cos(leaning)) continue;
+    if (outline_distance(wall, other.outline, record.outline) == 0) return true;
+  }
+  return false;
+}
+
+// Whether the plane was seen only where the robot has walked.
+bool is_walked_through(const PlaneRecord& record, const std::vector<Eigen::Vector2d>& path) {
+  if (!record.wall) return false;
+  Wall wall = *record.wall;
+  open_passages(wall, path);
+  return wall.support.empty();
+}
+
+}  // namespace
+
+std::vector<Eigen::Vector2d> path_of(const Graph& graph) {
+  std::vector<Eigen::Vector2d> path;
+  for (const auto& [id, T_map_base] : graph.keyframes()) path.emplace_back(T_map_base.translation.head<2>());
+  return path;
+}
+
+int drop_passing_planes(Committer& committer, PlaneLayer& planes, bool all) {
+  const AssociationParams& params = planes.params.association;
+  const std::vector<Eigen::Vector2d> path = path_of(committer.graph);
+  Transaction edit;
+  edit.reason = "planes seen in passing";
+  std::vector<PlaneId> passing;
+  for (const auto& [id, record] : planes.map.records()) {
+    if (record.keyframes.size() <= few_views && is_walked_through(record, path)) {
+      edit.remove_variables.emplace_back(id);
+      passing.push_back(id);
+      committer.note(false, "plane/" + std::to_string(id.value), "dropped: the robot has walked through it");
+      continue;
+    }
+    const auto unseen = committer.newest().value - record.last_seen.value;
+    const bool rarely_seen = record.keyframes.size() <= static_cast<std::size_t>(params.drop_views);
+    const bool small_and_old = rarely_seen && unseen >= params.drop_after && outline_area(record.outline) < params.drop_area;
+    if (!small_and_old && (!(all || unseen >= params.drop_ghost_after) || !is_ghost(committer.graph, planes, record, rarely_seen))) continue;
+    edit.remove_variables.emplace_back(id);
+    passing.push_back(id);
+  }
+  if (passing.empty() || !committer.commit(edit).ok()) return 0;
+  for (const PlaneId id : passing) planes.map.erase(id);
+  return static_cast<int>(passing.size());
+}
+
+}  // namespace sgraph
