@@ -102,15 +102,12 @@ void GraphEdit::forget(FactorId id) {
 void GraphEdit::remove(const VariableId& id) {
   const std::set<FactorId> factors = graph_.factors_of(id);
   for (const FactorId factor : factors) forget(factor);
-  for (auto& [plane, record] : graph_.merges_) {
-    for (auto dropped = record.dropped.begin(); dropped != record.dropped.end();) {
-      dropped = names(dropped->second.data, id) ? record.dropped.erase(dropped) : std::next(dropped);
+  std::set<VariableId> gone{id};
+  if (const auto* plane = std::get_if<PlaneId>(&id)) {  // what had been merged into it, also by way of others, goes with it
+    for (const auto& [merged, record] : graph_.merges_) {
+      if (graph_.representative(merged) == *plane) gone.insert(merged);
     }
-  }
-  if (const auto* plane = std::get_if<PlaneId>(&id)) {  // what had been merged into it goes with it
-    for (auto record = graph_.merges_.begin(); record != graph_.merges_.end();) {
-      record = graph_.representative(record->first) == *plane ? graph_.merges_.erase(record) : std::next(record);
-    }
+    for (const VariableId& merged : gone) graph_.merges_.erase(std::get<PlaneId>(merged));
     graph_.planes_.erase(*plane);
   } else if (const auto* keyframe = std::get_if<KeyframeId>(&id)) {
     graph_.keyframes_.erase(*keyframe);
@@ -118,6 +115,14 @@ void GraphEdit::remove(const VariableId& id) {
     graph_.rooms_.erase(*room);
   } else {
     graph_.corridors_.erase(std::get<CorridorId>(id));
+  }
+  // An undo brings back no factor of what is gone.
+  for (auto& [plane, record] : graph_.merges_) {
+    for (auto dropped = record.dropped.begin(); dropped != record.dropped.end();) {
+      const auto all = blocks(dropped->second.data);
+      const bool names_gone = std::any_of(all.begin(), all.end(), [&gone](const VariableId& named) { return gone.count(named) > 0; });
+      dropped = names_gone ? record.dropped.erase(dropped) : std::next(dropped);
+    }
   }
 }
 

@@ -253,6 +253,107 @@ TEST(Merge, AnyOrderOfMergesAndUndosComesBack) {
   }
 }
 
+TEST(Merge, RemovingTheEndOfAChainTakesTheWholeChainWithIt) {
+  Graph graph = building(4);
+  // Ids along the chain rise in one test and fall in the other: records are visited by id.
+  for (const auto& chain : {std::vector<PlaneId>{{0}, {4}, {5}}, std::vector<PlaneId>{{5}, {4}, {0}}}) {
+    Graph changed = graph;
+    Transaction first;
+    first.merges = {{chain[1], chain[0]}};
+    ASSERT_TRUE(changed.apply(first).ok());
+    Transaction second;
+    second.merges = {{chain[2], chain[1]}};
+    ASSERT_TRUE(changed.apply(second).ok());
+    Transaction remove;
+    remove.remove_variables = {chain[2]};
+    ASSERT_TRUE(changed.apply(remove).ok());
+    EXPECT_TRUE(changed.merges().empty());
+    EXPECT_TRUE(graph_from_json(to_json(changed)) == changed);
+  }
+}
+
+// Whether the graph hangs together: every factor names variables that are there, every merge leads to a plane that is there, and what an undo would
+// bring back names nothing that is gone for good.
+void expect_sound(const Graph& graph) {
+  for (const auto& [id, factor] : graph.factors()) {
+    for (const VariableId& variable : blocks(factor.data)) {
+      ASSERT_TRUE(graph.contains(variable)) << type_name(factor.data) << " names " << to_string(variable);
+      ASSERT_EQ(graph.factors_of(variable).count(id), 1u);
+    }
+  }
+  for (const auto& [merged, record] : graph.merges()) {
+    ASSERT_FALSE(graph.contains(merged));
+    ASSERT_TRUE(graph.contains(graph.representative(merged))) << "plane " << merged.value;
+    for (const auto& [id, factor] : record.dropped) {
+      for (const VariableId& variable : blocks(factor.data)) {
+        const auto* plane = std::get_if<PlaneId>(&variable);
+        ASSERT_TRUE(graph.contains(plane ? VariableId(graph.representative(*plane)) : variable)) << to_string(variable);
+      }
+    }
+  }
+}
+
+template <class Map, class Random>
+auto any_of(const Map& map, Random& draw) {
+  return std::next(map.begin(), draw.below(static_cast<int>(map.size())))->first;
+}
+
+// One edit drawn at random; small ones most of the time, several steps in one now and then.
+Transaction random_edit(Graph& graph, Draw& draw) {
+  Transaction t;
+  const int kind = draw.below(10);
+  if (kind < 3) {
+    const PlaneId plane = graph.new_plane_id();
+    t.planes[plane] = draw.near(Plane{{1, 0, 0}, draw.uniform(1, 5)}, 0.01, 0.01);
+    for (int i = 0; i < 3; ++i) t.add(PosePlane{any_of(graph.keyframes(), draw), plane, Plane{}, Pose{}, {}});
+    if (!graph.planes().empty()) t.add(ParallelPlanes{any_of(graph.planes(), draw), plane});
+    if (!graph.rooms().empty()) t.add(RoomPlane{any_of(graph.rooms(), draw), plane, draw.below(2) == 0 ? RoomSide::x_low : RoomSide::y_high});
+  }
+  if (kind == 3) t.rooms[graph.new_room_id()] = draw.room();
+  if (kind >= 4 && kind < 8 && graph.planes().size() > 1) t.merges = {{any_of(graph.planes(), draw), any_of(graph.planes(), draw)}};
+  if (kind >= 7 && !graph.merges().empty()) t.undo_merges = {any_of(graph.merges(), draw)};
+  if (kind == 8 && !graph.planes().empty()) t.remove_variables.emplace_back(any_of(graph.planes(), draw));
+  if (kind == 8 && draw.below(3) == 0 && !graph.rooms().empty()) t.remove_variables.emplace_back(any_of(graph.rooms(), draw));
+  if (kind == 9 && draw.below(4) == 0 && graph.keyframes().size() > 1) t.remove_variables.emplace_back(any_of(graph.keyframes(), draw));
+  if (kind == 9 && !graph.factors().empty()) t.remove_factors = {any_of(graph.factors(), draw)};
+  return t;
+}
+
+TEST(Transaction, AnySequenceLeavesAGraphThatIsSoundAndReadsBack) {
+  int merged = 0;
+  int undone = 0;
+  int removed = 0;
+  for (unsigned seed = 0; seed < 100; ++seed) {
+    Draw draw(seed);
+    Graph graph;
+    Transaction start;
+    for (int k = 0; k < 5; ++k) start.keyframes[KeyframeId{k}] = draw.pose();
+    ASSERT_TRUE(graph.apply(start).ok());
+    for (int step = 0; step < 60; ++step) {
+      const Transaction t = random_edit(graph, draw);
+      const Graph before = graph;
+      if (!graph.apply(t).ok()) {
+        ASSERT_TRUE(graph == before);
+        continue;
+      }
+      merged += static_cast<int>(t.merges.size());
+      undone += static_cast<int>(t.undo_merges.size());
+      removed += static_cast<int>(t.remove_variables.size());
+      ASSERT_NO_FATAL_FAILURE(expect_sound(graph)) << "seed " << seed << ", step " << step;
+      ASSERT_NO_THROW(ASSERT_TRUE(graph_from_json(to_json(graph)) == graph)) << "seed " << seed << ", step " << step;
+    }
+    while (!graph.merges().empty()) {
+      Transaction undo;
+      undo.undo_merges = {any_of(graph.merges(), draw)};
+      ASSERT_TRUE(graph.apply(undo).ok());
+      ASSERT_NO_FATAL_FAILURE(expect_sound(graph)) << "seed " << seed;
+    }
+  }
+  EXPECT_GT(merged, 500);
+  EXPECT_GT(undone, 200);
+  EXPECT_GT(removed, 200);
+}
+
 TEST(Serialization, AGraphRebuiltIsEqual) {
   for (unsigned seed = 0; seed < 50; ++seed) {
     Graph graph = building(seed);
