@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <future>
 
+#include "sgraph_slam/core/io/temporary_clouds.hpp"
 #include "sgraph_slam/core/util/stopwatch.hpp"
 
 namespace sgraph {
@@ -79,7 +80,7 @@ void BackEndThread::take(const MatchedKeyframe& matched) {
   if (back_end_ && !(last_ < keyframe.id)) start_over();
   if (!back_end_) {
     T_base_lidar_ = matched.received.T_base_lidar;
-    back_end_.emplace(params_, T_base_lidar_);
+    back_end_.emplace(params_, T_base_lidar_, std::make_shared<TemporaryClouds>());
   }
   last_ = keyframe.id;
   Stopwatch watch;

@@ -32,7 +32,7 @@ Json ids(const Ids& values) {
 
 Json to_json(const SceneKeyframe& keyframe) {
   Json scans = Json::array();
-  for (const StampedPose& scan : keyframe.scans) scans.push_back({{"nanoseconds", scan.stamp.nanoseconds}, {"pose", to_json(scan.pose)}});
+  for (const StampedPose& scan : *keyframe.scans) scans.push_back({{"nanoseconds", scan.stamp.nanoseconds}, {"pose", to_json(scan.pose)}});
   return {{"id", keyframe.id.value},
           {"stamp", keyframe.stamp.seconds()},
           {"nanoseconds", keyframe.stamp.nanoseconds},
@@ -109,7 +109,9 @@ SceneKeyframe keyframe_from(const Json& json) {
   keyframe.stamp = {json.at("nanoseconds").get<std::int64_t>()};
   keyframe.T_map_base = pose_from(json.at("pose"));
   keyframe.T_odom_base = pose_from(json.at("odom_pose"));
-  for (const Json& scan : json.at("scans")) keyframe.scans.push_back({{scan.at("nanoseconds").get<std::int64_t>()}, pose_from(scan.at("pose"))});
+  Trajectory scans;
+  for (const Json& scan : json.at("scans")) scans.push_back({{scan.at("nanoseconds").get<std::int64_t>()}, pose_from(scan.at("pose"))});
+  keyframe.scans = std::move(scans);
   return keyframe;
 }
 

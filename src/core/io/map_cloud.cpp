@@ -85,11 +85,12 @@ Cloud map_cloud(const GraphSnapshot& snapshot, const Pose& T_base_lidar, double 
   map.frame = snapshot.frame;
   VoxelMeans voxels(leaf);
   for (const auto& [id, keyframe] : snapshot.keyframes) {
-    if (!keyframe.cloud) continue;
+    const CloudPtr cloud = keyframe.cloud.get();
+    if (!cloud) continue;
     const Pose T_map_lidar = keyframe.T_map_base * T_base_lidar;
     map.stamp = keyframe.stamp;
     const Eigen::Matrix3d rotation = T_map_lidar.matrix();
-    for (const Point& point : keyframe.cloud->points) {
+    for (const Point& point : cloud->points) {
       if (!finite(point)) continue;
       const Eigen::Vector3d p = rotation * point.position().cast<double>() + T_map_lidar.translation;
       Point moved = point;
@@ -129,9 +130,10 @@ std::optional<Plane> floor_below(const GraphSnapshot& snapshot, const SceneKeyfr
     if (floor == nullptr || outline_area(plane.extent) > outline_area(floor->extent)) floor = &plane;
   }
   if (floor != nullptr) return floor->plane;
-  if (!keyframe.cloud) return std::nullopt;
+  const CloudPtr cloud = keyframe.cloud.get();
+  if (!cloud) return std::nullopt;
   std::vector<double> heights;
-  for (const Point& point : keyframe.cloud->points) {
+  for (const Point& point : cloud->points) {
     if (finite(point)) heights.push_back((T_map_lidar * point.position().cast<double>()).z());
   }
   if (heights.empty()) return std::nullopt;

@@ -33,7 +33,7 @@ void sort_and_thin(std::vector<Cell>& cells) {
   cells.shrink_to_fit();
 }
 
-Sweep sweep_of(const SceneKeyframe& keyframe, const Pose& T_base_lidar, const Plane& floor, const OutputParams& params) {
+Sweep sweep_of(const SceneKeyframe& keyframe, const Cloud& cloud, const Pose& T_base_lidar, const Plane& floor, const OutputParams& params) {
   const Pose T_map_lidar = keyframe.T_map_base * T_base_lidar;
   const Eigen::Vector3d& origin = T_map_lidar.translation;
   const double lidar_height = floor.distance(origin);
@@ -42,7 +42,7 @@ Sweep sweep_of(const SceneKeyframe& keyframe, const Pose& T_base_lidar, const Pl
   const auto cell_of = [&params](const Eigen::Vector3d& p) -> Cell { return (p.head<2>() / params.grid_resolution).array().floor().cast<int>(); };
   Sweep sweep;
   sweep.origin = origin.head<2>() / params.grid_resolution;
-  for (const Point& point : keyframe.cloud->points) {
+  for (const Point& point : cloud.points) {
     const Eigen::Vector3d p = T_map_lidar * point.position().cast<double>();
     if (!p.allFinite() || p.cwiseAbs().maxCoeff() > max_coordinate) continue;
     const double height = floor.distance(p);
@@ -153,7 +153,8 @@ OccupancyGrid make_occupancy_grid(const GraphSnapshot& snapshot, const Pose& T_b
   std::vector<Sweep> sweeps;
   for (const auto& [id, keyframe] : snapshot.keyframes) {
     const auto floor = floor_below(snapshot, keyframe, T_base_lidar);
-    if (floor && keyframe.cloud) sweeps.push_back(sweep_of(keyframe, T_base_lidar, *floor, params));
+    const CloudPtr cloud = keyframe.cloud.get();
+    if (floor && cloud) sweeps.push_back(sweep_of(keyframe, *cloud, T_base_lidar, *floor, params));
   }
   OccupancyGrid grid;
   grid.resolution = params.grid_resolution;

@@ -17,15 +17,15 @@ constexpr int neighbours = 2;     // keyframes before and after the old one whos
 constexpr int marginals_age = 5;  // keyframes
 
 // The nearest keyframe far back along the path.
-std::optional<KeyframeId> candidate(const Graph& graph, const std::map<KeyframeId, Keyframe>& keyframes, const OdometryDrift& drift, KeyframeId now,
-                                    const LoopParams& params) {
+std::optional<KeyframeId> candidate(const Graph& graph, const std::map<KeyframeId, SceneKeyframe>& keyframes, const OdometryDrift& drift,
+                                    KeyframeId now, const LoopParams& params) {
   const Eigen::Vector3d here = graph.find(now)->translation;
   std::optional<KeyframeId> nearest;
   double least = params.max_distance;
   for (const auto& [id, keyframe] : keyframes) {
     if (drift.path(id, now) < params.min_path) break;
     const double distance = (graph.find(id)->translation - here).norm();
-    if (distance < least && keyframe.cloud && !keyframe.cloud->empty()) {
+    if (distance < least && keyframe.cloud) {
       least = distance;
       nearest = id;
     }
@@ -34,9 +34,10 @@ std::optional<KeyframeId> candidate(const Graph& graph, const std::map<KeyframeI
 }
 
 // How uncertain the graph is about the motion between the two [m]: the largest standard deviation of the translation, in the newer one's frame.
-double relative_sigma(const Graph& graph, const Marginals& marginals, KeyframeId known, KeyframeId from) {
+// Nothing when the graph doesn't know.
+std::optional<double> relative_sigma(const Graph& graph, const Marginals& marginals, KeyframeId known, KeyframeId from) {
   const auto joint = marginals.joint({from, known});
-  if (!joint) return 0;
+  if (!joint) return std::nullopt;
   Eigen::Matrix<double, 6, 12> J;
   J << -se3_adjoint(graph.find(known)->inverse() * *graph.find(from)), Matrix6::Identity();
   const Matrix6 covariance = J * *joint * J.transpose();
@@ -44,14 +45,15 @@ double relative_sigma(const Graph& graph, const Marginals& marginals, KeyframeId
 }
 
 // The clouds around a keyframe, in its base frame.
-Cloud cloud_around(const Graph& graph, const std::map<KeyframeId, Keyframe>& keyframes, const Pose& T_base_lidar, KeyframeId center) {
+Cloud cloud_around(const Graph& graph, const std::map<KeyframeId, SceneKeyframe>& keyframes, const Pose& T_base_lidar, KeyframeId center) {
   Cloud all;
   const Pose T_center_map = graph.find(center)->inverse();
   for (auto keyframe = keyframes.lower_bound({center.value - neighbours});
        keyframe != keyframes.end() && keyframe->first.value <= center.value + neighbours; ++keyframe) {
-    if (!keyframe->second.cloud) continue;
+    const CloudPtr cloud = keyframe->second.cloud.get();
+    if (!cloud) continue;
     const Pose T = T_center_map * *graph.find(keyframe->first) * T_base_lidar;
-    for (const Point& point : keyframe->second.cloud->points) {
+    for (const Point& point : cloud->points) {
       const Eigen::Vector3f p = (T * point.position().cast<double>()).cast<float>();
       Point& moved = all.points.emplace_back(point);
       moved.x = p.x();
@@ -64,7 +66,7 @@ Cloud cloud_around(const Graph& graph, const std::map<KeyframeId, Keyframe>& key
 
 }  // namespace
 
-bool close_loop(Committer& committer, LoopCloser& loops, const std::map<KeyframeId, Keyframe>& keyframes, const OdometryDrift& drift,
+bool close_loop(Committer& committer, LoopCloser& loops, const std::map<KeyframeId, SceneKeyframe>& keyframes, const OdometryDrift& drift,
                 MarginalsCache& cache) {
   const LoopParams& params = loops.params;
   const Graph& graph = committer.graph;
@@ -73,9 +75,10 @@ bool close_loop(Committer& committer, LoopCloser& loops, const std::map<Keyframe
   const auto from = candidate(graph, keyframes, drift, now, params);
   if (!from) return false;
   loops.last_tried = now;
-  const Marginals* marginals = cache.get(graph, marginals_age);
   // What the walls hold already needs no scan matching.
-  if (!marginals || relative_sigma(graph, *marginals, cache.newest(), *from) < params.min_sigma) return false;
+  const Marginals* marginals = cache.get(graph, marginals_age);
+  const auto sigma = marginals ? relative_sigma(graph, *marginals, cache.newest(), *from) : std::nullopt;
+  if (sigma && *sigma < params.min_sigma) return false;
   const std::string what = "loop keyframe/" + std::to_string(from->value) + " to keyframe/" + std::to_string(now.value);
   const Pose expected = graph.find(*from)->inverse() * *graph.find(now);
   const ScanMatch match = match_scans(cloud_around(graph, keyframes, loops.T_base_lidar, *from),
@@ -90,7 +93,11 @@ bool close_loop(Committer& committer, LoopCloser& loops, const std::map<Keyframe
   tiny.setConstant(1e-6);
   const Se3Between loop{*from, now, match.T_target_source, SqrtInformation<6>::from_covariance(match.covariance, tiny), Se3Between::Source::loop};
   marginals = cache.get(graph, 0);
-  const double chi_square = marginals ? innovation_chi_square(graph, *marginals, loop) : params.chi_square;
+  if (!marginals) {  // a wrong loop is worse than a missed one
+    committer.note(false, what, "the graph doesn't know how far off it may be: " + figures.str());
+    return false;
+  }
+  const double chi_square = innovation_chi_square(graph, *marginals, loop);
   figures << ", chi-square " << chi_square;
   const bool consistent = chi_square < params.chi_square;  // false for NaN
   committer.note(consistent, what, (consistent ? "" : "contradicts the graph: ") + figures.str());

@@ -25,7 +25,7 @@ bool finite(const Pose& pose) {
 
 }  // namespace
 
-bool add_keyframe(MapState& state, const Keyframe& keyframe) {
+bool add_keyframe(MapState& state, const Keyframe& keyframe, const KeyframeCloud& cloud) {
   Committer committer{state.graph, state.log};
   const auto refuse = [&](const char* reason) {
     committer.note(false, "keyframe/" + std::to_string(keyframe.id.value), reason);
@@ -41,7 +41,7 @@ bool add_keyframe(MapState& state, const Keyframe& keyframe) {
   if (state.keyframes.empty()) {
     edit.keyframes[keyframe.id] = state.T_map_odom * keyframe.T_odom_base;
   } else {
-    const Keyframe& last = state.keyframes.rbegin()->second;
+    const SceneKeyframe& last = state.keyframes.rbegin()->second;
     edit.keyframes[keyframe.id] = *state.graph.find(last.id) * motion.T_last_now;
     Vector6 tiny;
     tiny << Eigen::Vector3d::Constant(1e-6), Eigen::Vector3d::Constant(1e-6);
@@ -50,7 +50,7 @@ bool add_keyframe(MapState& state, const Keyframe& keyframe) {
   }
   if (!committer.commit(edit).ok()) return false;
   state.planes.drift.add(keyframe.id, keyframe.T_odom_base, covariance);
-  state.keyframes[keyframe.id] = keyframe;
+  state.keyframes[keyframe.id] = {keyframe.id, keyframe.stamp, *state.graph.find(keyframe.id), keyframe.T_odom_base, keyframe.scans, cloud};
   return true;
 }
 

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <exception>
+#include <utility>
 
 #include "sgraph_slam/core/graph/solver.hpp"
 #include "sgraph_slam/core/mapping/add_keyframe.hpp"
@@ -28,15 +30,133 @@ Eigen::Vector2d ground(const Pose& pose) { return pose.translation.head<2>(); }
 
 class BackEnd::Implementation {
  public:
-  Implementation(const MappingParams& params, const Pose& T_base_lidar)
-      : state_(params, T_base_lidar), snapshot_(std::make_shared<GraphSnapshot>()) {}
+  Implementation(const MappingParams& params, const Pose& T_base_lidar, std::shared_ptr<KeyframeClouds> clouds)
+      : state_(params, T_base_lidar, std::move(clouds)), snapshot_(std::make_shared<GraphSnapshot>()) {}
 
   GraphSnapshotPtr process(const Keyframe& keyframe, const PlaneSegments& segments) {
-    if (!add_keyframe(state_, keyframe)) return snapshot_;
-    optimized_ = false;
-    const AssociationResult seen = add_observations(committer_, state_.planes, keyframe, segments);
-    ++since_global_;
+    Input input{without_cloud(keyframe), kept(keyframe), segments, true};
+    std::string failure = failure_of([&] { work_on(input); });
+    if (failure.empty()) return snapshot_;
+    restore();
+    report(keyframe.id, failure, "kept without its planes: it still joins those before and after it");
+    input.planes = false;
+    failure = failure_of([&] { work_on(input); });
+    if (failure.empty()) return snapshot_;
+    restore();
+    report(keyframe.id, failure, "left out");
+    return snapshot_;
+  }
+
+  GraphSnapshotPtr optimize() {
+    // Asked twice (at the end of a recording, and again to save it) the map stays as it is.
+    if (state_.keyframes.empty() || state_.optimized) return snapshot_;
+    const std::string failure = failure_of([this] {
+      optimize_all();
+      publish(true);
+    });
+    if (!failure.empty()) {
+      restore();
+      report(committer_.newest(), failure, "not optimised");
+      publish(true);  // the last good state, whole: what can be saved
+    }
+    checkpoint();
+    return snapshot_;
+  }
+
+  [[nodiscard]] GraphSnapshotPtr snapshot() const { return snapshot_; }
+  [[nodiscard]] const DecisionLog& decisions() const { return state_.log; }
+  [[nodiscard]] const std::vector<std::string>& failures() const { return failures_; }
+
+ private:
+  // What one keyframe brought.
+  struct Input {
+    Keyframe keyframe;  // without its cloud
+    KeyframeCloud cloud;
+    PlaneSegments segments;
+    bool planes;  // false: the motion alone
+  };
+
+  static Keyframe without_cloud(Keyframe keyframe) {
+    keyframe.cloud.reset();
+    return keyframe;
+  }
+
+  [[nodiscard]] KeyframeCloud kept(const Keyframe& keyframe) const {
+    if (!state_.clouds || !keyframe.cloud) return keyframe.cloud;
+    state_.clouds->put(keyframe.id, keyframe.cloud);
+    return {state_.clouds, keyframe.id};
+  }
+
+  // What a step throws, in words; empty when it doesn't.
+  template <class Step>
+  static std::string failure_of(const Step& step) {
+    try {
+      step();
+      return {};
+    } catch (const std::exception& error) {
+      return *error.what() == 0 ? "exception without words" : error.what();
+    } catch (...) {
+      return "unknown exception";
+    }
+  }
+
+  void report(KeyframeId id, const std::string& failure, const char* what_now) {
+    const std::string what = "keyframe/" + std::to_string(id.value);
+    const std::string reason = "a step of the mapping failed (" + failure + "): back to the state before it, " + what_now;
+    reports_.push_back({id, false, what, reason});
+    state_.log.push_back(reports_.back());
+    failures_.push_back(what + ": " + reason);
+  }
+
+  // A step that fails half-way would leave graph, plane map and layer in disagreement. So a whole state is copied now and then, as rarely as the
+  // whole graph is solved, and what came since is kept: from these the last good state is made again, to the last bit, when it is needed.
+  void work_on(const Input& input) {
+    if (!take(input)) return;
+    publish(false);
+    since_.push_back(input);
+    if (since_.size() >= due()) failure_of([this] { checkpoint(); });  // without it the old one and what came since still do
+  }
+
+  void checkpoint() {
+    good_ = std::make_unique<const MapState>(state_);
+    since_.clear();
+    reports_.clear();
+  }
+
+  [[nodiscard]] MapState last_good() const { return good_ ? *good_ : MapState(state_.params, state_.planes.T_base_lidar, state_.clouds); }
+
+  void restore() {
+    state_ = last_good();
+    const std::string failure = failure_of([this] {
+      for (const Input& input : since_) take(input);
+    });
+    if (!failure.empty()) {  // it went well before: the machine is short of something
+      state_ = last_good();
+      since_.clear();
+      failures_.push_back("the keyframes since the last copy of the map are lost: " + failure);
+    }
+    state_.log.insert(state_.log.end(), reports_.begin(), reports_.end());
+  }
+
+  [[nodiscard]] std::size_t due() const {
+    const SolveParams& params = state_.params.solving;
+    return static_cast<std::size_t>(std::max(params.every, static_cast<int>(params.growth * static_cast<double>(state_.keyframes.size()))));
+  }
+
+  void publish(bool whole) { snapshot_ = make_snapshot(state_, snapshot_->version + 1, summary_, whole); }
+
+  bool take(const Input& input) {
+    if (!add_keyframe(state_, input.keyframe, input.cloud)) return false;
+    state_.optimized = false;
     summary_ = {};
+    if (input.planes) map_planes(input.keyframe, input.segments);
+    place_odometry();
+    return true;
+  }
+
+  void map_planes(const Keyframe& keyframe, const PlaneSegments& segments) {
+    const AssociationResult seen = add_observations(committer_, state_.planes, keyframe, segments);
+    ++state_.since_global;
     if (state_.params.solving.window > 0) solve_window();
     update_frame();
     if (state_.params.topological_layer) {
@@ -48,15 +168,10 @@ class BackEnd::Implementation {
     }
     const bool looped = close_loop(committer_, state_.loops, state_.keyframes, state_.planes.drift, state_.planes.marginals);
     if (looped || wants_global(seen)) solve_global(state_.params.solving.iterations);
-    place_odometry();
-    snapshot_ = make_snapshot(state_, snapshot_->version + 1, summary_, false);
-    return snapshot_;
   }
 
-  GraphSnapshotPtr optimize() {
-    // Asked twice (at the end of a recording, and again to save it) the map stays as it is.
-    if (state_.keyframes.empty() || optimized_) return snapshot_;
-    optimized_ = true;
+  void optimize_all() {
+    state_.optimized = true;
     summary_ = {};
     solve_global(state_.params.solving.final_iterations, true);
     if (state_.params.topological_layer) {
@@ -65,19 +180,11 @@ class BackEnd::Implementation {
     }
     find_covariances();
     place_odometry();
-    snapshot_ = make_snapshot(state_, snapshot_->version + 1, summary_, true);
-    return snapshot_;
   }
 
-  [[nodiscard]] GraphSnapshotPtr snapshot() const { return snapshot_; }
-  [[nodiscard]] const DecisionLog& decisions() const { return state_.log; }
-
- private:
   [[nodiscard]] bool wants_global(const AssociationResult& seen) const {
-    const SolveParams& params = state_.params.solving;
-    const int due = std::max(params.every, static_cast<int>(params.growth * static_cast<double>(state_.keyframes.size())));
-    if (since_global_ >= due) return true;
-    return since_global_ >= returns_apart && (seen.returned || !pending_.empty());
+    if (state_.since_global >= static_cast<int>(due())) return true;
+    return state_.since_global >= returns_apart && (seen.returned || !state_.pending_merges.empty());
   }
 
   void note(const SolveSummary& summary) {
@@ -97,12 +204,12 @@ class BackEnd::Implementation {
     SolverOptions options;
     options.max_iterations = iterations;
     note(solve(state_.graph, options));
-    since_global_ = 0;
+    state_.since_global = 0;
     state_.planes.marginals.forget();
     state_.planes.map.refresh(state_.graph, state_.planes.frame);
     update_frame();
     std::set<PlanePair> shown;
-    shown.swap(pending_);
+    shown.swap(state_.pending_merges);
     merge_duplicates(committer_, state_.planes, shown, all_pairs, state_.params.solving.iterations);
     if (!state_.params.topological_layer) return;
     const std::vector<Wall> walls = counted_walls();
@@ -132,7 +239,7 @@ class BackEnd::Implementation {
   void visit(const std::vector<Wall>& walls, KeyframeId at) {
     const Visit here{committer_.newest(), ground(*state_.graph.find(at)), state_.planes.frame.yaw};
     for (const PlanePair& pair : state_.layer.visit(state_.graph, walls, here, state_.log)) {
-      if (state_.params.merging.by_places && state_.planes.refused_merges.count(pair) == 0) pending_.insert(pair);
+      if (state_.params.merging.by_places && state_.planes.refused_merges.count(pair) == 0) state_.pending_merges.insert(pair);
     }
   }
 
@@ -140,9 +247,9 @@ class BackEnd::Implementation {
   void revisit(const std::vector<Wall>& walls) {
     std::size_t tried = 0;
     for (std::size_t i = 0; i < state_.keyframes.size() && tried < retries; ++i) {
-      const auto next = state_.keyframes.upper_bound(last_revisited_);
+      const auto next = state_.keyframes.upper_bound(state_.last_revisited);
       const KeyframeId id = next == state_.keyframes.end() ? state_.keyframes.begin()->first : next->first;
-      last_revisited_ = id;
+      state_.last_revisited = id;
       if (state_.layer.covers(ground(*state_.graph.find(id)))) continue;
       visit(walls, id);
       ++tried;
@@ -161,8 +268,8 @@ class BackEnd::Implementation {
     std::vector<Eigen::Vector3d> path;
     for (const auto& [id, keyframe] : state_.keyframes) {
       const Pose T_map_odom = *state_.graph.find(id) * keyframe.T_odom_base.inverse();
-      for (const StampedPose& scan : keyframe.scans) path.push_back((T_map_odom * scan.pose).translation);
-      if (keyframe.scans.empty()) path.push_back(state_.graph.find(id)->translation);
+      for (const StampedPose& scan : *keyframe.scans) path.push_back((T_map_odom * scan.pose).translation);
+      if (keyframe.scans->empty()) path.push_back(state_.graph.find(id)->translation);
     }
     state_.openings = sgraph::find_openings(state_.layer.places(), path);
   }
@@ -177,7 +284,7 @@ class BackEnd::Implementation {
   }
 
   void place_odometry() {
-    const Keyframe& newest = state_.keyframes.rbegin()->second;
+    const SceneKeyframe& newest = state_.keyframes.rbegin()->second;
     state_.T_map_odom = *state_.graph.find(newest.id) * newest.T_odom_base.inverse();
   }
 
@@ -185,18 +292,21 @@ class BackEnd::Implementation {
   Committer committer_{state_.graph, state_.log};
   GraphSnapshotPtr snapshot_;
   SolveSummary summary_;
-  std::set<PlanePair> pending_;  // planes that a place showed to be one
-  int since_global_ = 0;
-  bool optimized_ = false;  // since the last keyframe
-  KeyframeId last_revisited_;
+
+  std::unique_ptr<const MapState> good_;  // a state to come back to; none: the empty one
+  std::vector<Input> since_;              // what came after it
+  DecisionLog reports_;                   // of failures after it
+  std::vector<std::string> failures_;
 };
 
-BackEnd::BackEnd(const MappingParams& params, const Pose& T_base_lidar) : implementation_(std::make_unique<Implementation>(params, T_base_lidar)) {}
+BackEnd::BackEnd(const MappingParams& params, const Pose& T_base_lidar, std::shared_ptr<KeyframeClouds> clouds)
+    : implementation_(std::make_unique<Implementation>(params, T_base_lidar, std::move(clouds))) {}
 BackEnd::~BackEnd() = default;
 
 GraphSnapshotPtr BackEnd::process(const Keyframe& keyframe, const PlaneSegments& segments) { return implementation_->process(keyframe, segments); }
 GraphSnapshotPtr BackEnd::optimize() { return implementation_->optimize(); }
 GraphSnapshotPtr BackEnd::snapshot() const { return implementation_->snapshot(); }
 const DecisionLog& BackEnd::decisions() const { return implementation_->decisions(); }
+const std::vector<std::string>& BackEnd::failures() const { return implementation_->failures(); }
 
 }  // namespace sgraph

@@ -54,13 +54,7 @@ GraphSnapshotPtr make_snapshot(const MapState& state, std::int64_t version, cons
   snapshot->T_map_odom = state.T_map_odom;
   snapshot->dominant_yaw = state.planes.frame.yaw;
   for (const auto& [id, keyframe] : state.keyframes) {
-    SceneKeyframe& scene = snapshot->keyframes[id];
-    scene.id = id;
-    scene.stamp = keyframe.stamp;
-    scene.T_map_base = *state.graph.find(id);
-    scene.T_odom_base = keyframe.T_odom_base;
-    scene.scans = keyframe.scans;
-    scene.cloud = keyframe.cloud;
+    snapshot->keyframes.emplace_hint(snapshot->keyframes.end(), id, keyframe)->second.T_map_base = *state.graph.find(id);
   }
   add_planes(state, with_factors, *snapshot);
   add_places(state, *snapshot);

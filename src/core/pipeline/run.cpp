@@ -1,9 +1,13 @@
 #include "sgraph_slam/core/pipeline/run.hpp"
 
+#include "sgraph_slam/core/io/temporary_clouds.hpp"
+
 namespace sgraph {
 
 Run::Run(const MappingParams& params, const Pose& T_base_lidar, Stage until)
-    : until_(until), T_base_lidar_(T_base_lidar), back_end_(params, T_base_lidar) {}
+    : until_(until),
+      T_base_lidar_(T_base_lidar),
+      back_end_(params, T_base_lidar, until >= Stage::mapping ? std::make_shared<TemporaryClouds>() : nullptr) {}
 
 const ScanRecord& Run::take(const MeasuredScan& scan) {
   records_.push_back(scan.record);
@@ -19,7 +23,7 @@ void Run::finish(const MeasuredScan& rest) {
   map(rest, finish_cost_);
   if (until_ < Stage::mapping || keyframes_.empty()) return;
   StageClock clock;
-  note_solve(back_end_.optimize()->last_solve);
+  note_solve(*back_end_.optimize());
   clock.book(Stage::mapping, finish_cost_);
 }
 
@@ -30,17 +34,15 @@ void Run::map(const MeasuredScan& scan, StageCost& cost) {
     keyframes_.push_back({odometry.keyframes[i].stamp, odometry.keyframes[i].T_odom_base});
     if (until_ < Stage::mapping) continue;
     StageClock clock;
-    note_solve(back_end_.process(odometry.keyframes[i], scan.planes.at(i))->last_solve);
+    note_solve(*back_end_.process(odometry.keyframes[i], scan.planes.at(i)));
     clock.book(Stage::mapping, cost);
   }
 }
 
-// A snapshot carries the newest solve whether or not it is new.
-void Run::note_solve(const SolveSummary& solve) {
-  if (solve.keyframes == 0) return;
-  const bool same = !solves_.empty() && solves_.back().milliseconds == solve.milliseconds && solves_.back().factors == solve.factors &&
-                    solves_.back().keyframes == solve.keyframes;
-  if (!same) solves_.push_back(solve);
+// A state that is handed out again carries the same solve again.
+void Run::note_solve(const GraphSnapshot& state) {
+  if (state.version > noted_ && state.last_solve.keyframes > 0) solves_.push_back(state.last_solve);
+  noted_ = state.version;
 }
 
 StageCost Run::total_cost() const {

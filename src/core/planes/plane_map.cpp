@@ -69,7 +69,7 @@ void PlaneMap::rebuild(const Graph& graph, PlaneRecord& record) const {
     corners.insert(corners.end(), outlines.back().begin(), outlines.back().end());
     record.keyframes.insert(seen.keyframe);
   }
-  if (!record.keyframes.empty()) record.last_seen = *record.keyframes.rbegin();
+  if (!record.keyframes.empty()) record.last_seen = record.keyframes.newest();
   record.outline = convex_outline(*plane, corners);
   record.wall = make_wall(record.id, *plane, outlines, params_.tilt, params_.wall_gap);
   if (!record.wall) return;

@@ -24,7 +24,9 @@ class RandomSnapshot {
     for (std::int64_t i = 0; i < 12; ++i) {
       SceneKeyframe keyframe;
       keyframe.id = {3 * i};
-      for (int k = 0; k < 5; ++k) keyframe.scans.push_back({{ns += 99'999'999}, pose()});
+      Trajectory scans;
+      for (int k = 0; k < 5; ++k) scans.push_back({{ns += 99'999'999}, pose()});
+      keyframe.scans = std::move(scans);
       keyframe.stamp = {ns};
       keyframe.T_map_base = pose();
       keyframe.T_odom_base = pose();
@@ -78,10 +80,10 @@ TEST(GraphJson, ReadsBackExactly) {
       EXPECT_EQ(same.stamp, keyframe.stamp);
       expect_same(same.T_map_base, keyframe.T_map_base);
       expect_same(same.T_odom_base, keyframe.T_odom_base);
-      ASSERT_EQ(same.scans.size(), keyframe.scans.size());
-      for (std::size_t i = 0; i < keyframe.scans.size(); ++i) {
-        EXPECT_EQ(same.scans[i].stamp, keyframe.scans[i].stamp);
-        expect_same(same.scans[i].pose, keyframe.scans[i].pose);
+      ASSERT_EQ(same.scans->size(), keyframe.scans->size());
+      for (std::size_t i = 0; i < keyframe.scans->size(); ++i) {
+        EXPECT_EQ((*same.scans)[i].stamp, (*keyframe.scans)[i].stamp);
+        expect_same((*same.scans)[i].pose, (*keyframe.scans)[i].pose);
       }
     }
     ASSERT_EQ(copy.planes.size(), original.planes.size());

@@ -84,7 +84,7 @@ TEST(Decisions, AreARowEachWhateverTheWords) {
 TEST_F(FolderTest, TheMapCloudIsWhereTheGraphHasIt) {
   const SmallRoom room(0.3);
   const Cloud all = map_cloud(room.snapshot, room.T_base_lidar(), 0);
-  EXPECT_EQ(all.size() + 1, room.snapshot.keyframes.at({0}).cloud->size());  // all but the one that is not a number
+  EXPECT_EQ(all.size() + 1, room.snapshot.keyframes.at({0}).cloud.get()->size());  // all but the one that is not a number
   int on_planes = 0;
   for (const Point& p : all.points) {
     for (const auto& [id, plane] : room.snapshot.planes) on_planes += std::abs(plane.plane.distance(p.position().cast<double>())) < 1e-4 ? 1 : 0;

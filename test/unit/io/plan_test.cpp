@@ -41,7 +41,7 @@ TEST(OccupancyGrid, WallsAreOccupiedTheRoomIsFreeBehindIsUnknown) {
 
 TEST(OccupancyGrid, OnlyWhatIsInTheBandIsAnObstacle) {
   SmallRoom room;
-  Cloud cloud = *room.snapshot.keyframes.at({0}).cloud;
+  Cloud cloud = *room.snapshot.keyframes.at({0}).cloud.get();
   const auto add = [&cloud](double x, double y, double z) {
     Point p;
     p.x = static_cast<float>(x);
@@ -62,7 +62,7 @@ TEST(OccupancyGrid, OnlyWhatIsInTheBandIsAnObstacle) {
 TEST(OccupancyGrid, WhatMovedAwayIsFreeAgain) {
   SmallRoom room;
   const SceneKeyframe first = room.snapshot.keyframes.at({0});
-  auto with_visitor = std::make_shared<Cloud>(*first.cloud);
+  auto with_visitor = std::make_shared<Cloud>(*first.cloud.get());
   Point p;
   p.x = 1.02F;
   p.y = 1.02F;
@@ -80,7 +80,7 @@ TEST(OccupancyGrid, WhatMovedAwayIsFreeAgain) {
 
 TEST(OccupancyGrid, AFarReflectionDoesNotEatTheMemory) {
   SmallRoom room;
-  auto cloud = std::make_shared<Cloud>(*room.snapshot.keyframes.at({0}).cloud);
+  auto cloud = std::make_shared<Cloud>(*room.snapshot.keyframes.at({0}).cloud.get());
   Point p;
   p.x = 9e4F;
   p.y = 9e4F;

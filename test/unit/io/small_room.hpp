@@ -20,7 +20,7 @@ class SmallRoom {
     keyframe.id = {0};
     keyframe.stamp = {1'700'000'000'123'456'789};
     keyframe.T_map_base = turn_ * Pose{Eigen::Quaterniond::Identity(), {0, -1, 0.5}};
-    keyframe.scans = {{keyframe.stamp, keyframe.T_odom_base}};
+    keyframe.scans = Trajectory{{keyframe.stamp, keyframe.T_odom_base}};
     keyframe.cloud = cloud();
     snapshot.keyframes.emplace(keyframe.id, keyframe);
     add_plane({0, 0, 1}, 0, PlaneClass::horizontal, {{-3, -2, 0}, {3, -2, 0}, {3, 2, 0}, {-3, 2, 0}});

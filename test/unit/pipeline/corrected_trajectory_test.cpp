@@ -16,6 +16,7 @@ GraphSnapshot walk(int scans, const Eigen::Vector3d& origin) {
   GraphSnapshot snapshot;
   Pose T_odom_base{Eigen::Quaterniond::Identity(), origin};
   SceneKeyframe keyframe;
+  Trajectory since;
   std::mt19937 random(23);
   std::normal_distribution<double> normal(0, 0.02);
   for (int i = 0; i < scans; ++i) {
@@ -23,14 +24,15 @@ GraphSnapshot walk(int scans, const Eigen::Vector3d& origin) {
     step << normal(random), normal(random), 0.05, 0.1, normal(random), normal(random);
     T_odom_base = T_odom_base * se3_exp(step);
     const Stamp stamp{1'700'000'000'000'000'000 + i * 100'000'000LL};
-    keyframe.scans.push_back({stamp, T_odom_base});
+    since.push_back({stamp, T_odom_base});
     if (i % 8 != 0 && i + 1 != scans) continue;
     keyframe.id = KeyframeId{static_cast<std::int64_t>(snapshot.keyframes.size())};
     keyframe.stamp = stamp;
     keyframe.T_odom_base = T_odom_base;
     keyframe.T_map_base = T_odom_base;
+    keyframe.scans = since;
     snapshot.keyframes.emplace(keyframe.id, keyframe);
-    keyframe.scans.clear();
+    since.clear();
   }
   return snapshot;
 }
@@ -41,7 +43,7 @@ TEST(CorrectedTrajectory, WithoutCorrectionsIsTheOdometry) {
   ASSERT_EQ(trajectory.size(), 50U);
   std::size_t i = 0;
   for (const auto& [id, keyframe] : snapshot.keyframes) {
-    for (const StampedPose& scan : keyframe.scans) {
+    for (const StampedPose& scan : *keyframe.scans) {
       EXPECT_EQ(trajectory[i].stamp, scan.stamp);
       EXPECT_LT(distance(trajectory[i++].pose, scan.pose), 1e-12);
     }
@@ -57,7 +59,7 @@ TEST(CorrectedTrajectory, FollowsAMapThatMovesAsAWhole) {
   const Trajectory trajectory = corrected_trajectory(snapshot);
   std::size_t i = 0;
   for (const auto& [id, keyframe] : snapshot.keyframes) {
-    for (const StampedPose& scan : keyframe.scans) EXPECT_LT(distance(trajectory[i++].pose, T_map_odom * scan.pose), 1e-9);
+    for (const StampedPose& scan : *keyframe.scans) EXPECT_LT(distance(trajectory[i++].pose, T_map_odom * scan.pose), 1e-9);
   }
 }
 

@@ -6,7 +6,7 @@
 #include "sgraph_slam/core/graph/marginals_cache.hpp"
 #include "sgraph_slam/core/graph/odometry_drift.hpp"
 #include "sgraph_slam/core/loops/params.hpp"
-#include "sgraph_slam/core/types/odometry.hpp"
+#include "sgraph_slam/core/types/scene.hpp"
 
 namespace sgraph {
 
@@ -19,7 +19,7 @@ struct LoopCloser {
 
 /// Hard loop closure of the newest keyframe with the nearest old one, when the graph is unsure about the way between (paper, Loop Closure). True when
 /// a loop has been added. `keyframes`: all of the graph's, with their clouds.
-bool close_loop(Committer& committer, LoopCloser& loops, const std::map<KeyframeId, Keyframe>& keyframes, const OdometryDrift& drift,
+bool close_loop(Committer& committer, LoopCloser& loops, const std::map<KeyframeId, SceneKeyframe>& keyframes, const OdometryDrift& drift,
                 MarginalsCache& cache);
 
 }  // namespace sgraph

@@ -1,6 +1,8 @@
 #pragma once
 
 #include <memory>
+#include <string>
+#include <vector>
 
 #include "sgraph_slam/core/mapping/params.hpp"
 #include "sgraph_slam/core/types/decision.hpp"
@@ -14,11 +16,13 @@ namespace sgraph {
 /// inside; one caller at a time.
 class BackEnd {
  public:
-  /// `T_base_lidar`: pose of the LiDAR on the robot.
-  BackEnd(const MappingParams& params, const Pose& T_base_lidar);
+  /// `T_base_lidar`: pose of the LiDAR on the robot. `clouds`: where the keyframes' clouds go once mapping is done with them; null: they stay in
+  /// memory.
+  BackEnd(const MappingParams& params, const Pose& T_base_lidar, std::shared_ptr<KeyframeClouds> clouds = nullptr);
   ~BackEnd();
 
-  /// Takes a keyframe and the planes seen in its cloud (same stamp), in order. Solves when the data asks for it. Returns the newest state.
+  /// Takes a keyframe and the planes seen in its cloud (same stamp), in order. Solves when the data asks for it. Returns the newest state. Throws
+  /// nothing that a step throws: see failures().
   GraphSnapshotPtr process(const Keyframe& keyframe, const PlaneSegments& segments);
 
   /// Optimises the whole graph now and returns the result, with the factors serialised and the planes' marginal covariances.
@@ -29,6 +33,9 @@ class BackEnd {
 
   /// What has been proposed since the start (rooms, corridors, merges, loops), what became of it, and why.
   [[nodiscard]] const DecisionLog& decisions() const;
+
+  /// Steps that failed since the start, in words. The map is then as it was before the step: the keyframe is in it without its planes, or not at all.
+  [[nodiscard]] const std::vector<std::string>& failures() const;
 
  private:
   class Implementation;

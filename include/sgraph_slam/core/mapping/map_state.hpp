@@ -1,6 +1,8 @@
 #pragma once
 
 #include <map>
+#include <memory>
+#include <set>
 #include <vector>
 
 #include "sgraph_slam/core/graph/graph.hpp"
@@ -11,24 +13,26 @@
 #include "sgraph_slam/core/places/topological_layer.hpp"
 #include "sgraph_slam/core/planes/plane_layer.hpp"
 #include "sgraph_slam/core/types/decision.hpp"
-#include "sgraph_slam/core/types/odometry.hpp"
 #include "sgraph_slam/core/types/scene.hpp"
 
 namespace sgraph {
 
-/// All that the back end knows: the graph, and beside it what each layer keeps. Data only.
+/// All that the back end knows: the graph, and beside it what each layer keeps. Data only; a copy is a state to come back to.
 struct MapState {
-  MapState(const MappingParams& p, const Pose& T_base_lidar)
+  /// `clouds`: where the keyframes' clouds go; null: they stay in memory.
+  MapState(const MappingParams& p, const Pose& T_base_lidar, std::shared_ptr<KeyframeClouds> clouds_)
       : params(p),
+        clouds(std::move(clouds_)),
         planes({p.factors, p.association, p.semantics, p.merging}, T_base_lidar),
         submap(p.submap, T_base_lidar),
         layer({p.topology, p.rooms, p.corridors, p.merging}),
         loops{p.loops, T_base_lidar, {}} {}
 
   MappingParams params;
+  std::shared_ptr<KeyframeClouds> clouds;
   Graph graph;
   RecentSolver recent;
-  std::map<KeyframeId, Keyframe> keyframes;
+  std::map<KeyframeId, SceneKeyframe> keyframes;  ///< T_map_base as of the last snapshot: the graph has the estimates
   PlaneLayer planes;
   Submap submap;
   TopologicalLayer layer;
@@ -37,6 +41,11 @@ struct MapState {
   std::map<PlaneId, Eigen::Matrix3d> plane_covariances;  ///< as of the last optimisation on demand
   DecisionLog log;
   Pose T_map_odom;
+
+  std::set<PlanePair> pending_merges;  ///< planes that a place showed to be one, since the last global solve
+  int since_global = 0;                ///< keyframes since the last global solve
+  bool optimized = false;              ///< since the last keyframe
+  KeyframeId last_revisited;           ///< position looked at last for a place
 };
 
 }  // namespace sgraph

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <vector>
 
 #include "sgraph_slam/core/mapping/back_end.hpp"
@@ -39,7 +40,7 @@ class Run {
 
  private:
   void map(const MeasuredScan& scan, StageCost& cost);
-  void note_solve(const SolveSummary& solve);
+  void note_solve(const GraphSnapshot& state);
 
   Stage until_;
   Pose T_base_lidar_;
@@ -50,6 +51,7 @@ class Run {
   Trajectory finals_;
   Trajectory keyframes_;
   std::vector<SolveSummary> solves_;
+  std::int64_t noted_ = 0;  // version of the newest state whose solve is in solves_
 };
 
 /// Base poses in the map of every scan that the snapshot's keyframes hold: the odometry's final poses, moved by the correction of the keyframes

@@ -10,6 +10,7 @@
 #include "sgraph_slam/core/planes/outline.hpp"
 #include "sgraph_slam/core/planes/params.hpp"
 #include "sgraph_slam/core/planes/wall.hpp"
+#include "sgraph_slam/core/types/keyframe_set.hpp"
 
 namespace sgraph {
 
@@ -25,7 +26,7 @@ struct PlaneRecord {
   PlaneId id;
   PlaneClass plane_class = PlaneClass::unclassified;
   std::vector<PlaneObservation> observations;  ///< in order of arrival
-  std::set<KeyframeId> keyframes;
+  KeyframeSet keyframes;
   KeyframeId last_seen;
   Outline outline;                                            ///< all that has been seen of it, map frame
   Eigen::Matrix3d last_covariance = Eigen::Matrix3d::Zero();  ///< of the newest view given its keyframe; tangent of the plane in the map [rad, m]

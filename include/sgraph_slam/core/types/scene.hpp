@@ -2,7 +2,6 @@
 
 #include <map>
 #include <memory>
-#include <set>
 #include <string>
 #include <vector>
 
@@ -11,8 +10,11 @@
 #include "sgraph_slam/core/types/cloud.hpp"
 #include "sgraph_slam/core/types/decision.hpp"
 #include "sgraph_slam/core/types/ids.hpp"
+#include "sgraph_slam/core/types/keyframe_clouds.hpp"
+#include "sgraph_slam/core/types/keyframe_set.hpp"
 #include "sgraph_slam/core/types/plane.hpp"
 #include "sgraph_slam/core/types/pose.hpp"
+#include "sgraph_slam/core/types/shared.hpp"
 
 namespace sgraph {
 
@@ -21,9 +23,9 @@ struct SceneKeyframe {
   KeyframeId id;
   Stamp stamp;
   Pose T_map_base;
-  Pose T_odom_base;  ///< as the odometry gave it
-  Trajectory scans;  ///< final base poses in odom of the scans since the last keyframe
-  CloudPtr cloud;    ///< LiDAR frame
+  Pose T_odom_base;          ///< as the odometry gave it
+  Shared<Trajectory> scans;  ///< final base poses in odom of the scans since the last keyframe
+  KeyframeCloud cloud;       ///< LiDAR frame
 };
 
 /// One view of a plane from one keyframe.
@@ -39,7 +41,7 @@ struct ScenePlane {
   PlaneClass plane_class = PlaneClass::unclassified;
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();  ///< of [two tangent angles; d], marginal where the back end has it
   std::vector<Eigen::Vector3d> extent;                   ///< convex outline on the plane, map frame
-  std::set<KeyframeId> keyframes;                        ///< that saw it
+  KeyframeSet keyframes;                                 ///< that saw it
   std::vector<SceneObservation> observations{};          ///< after an optimisation on demand; else empty
 };
 
