@@ -12,4 +12,10 @@ Applied Committer::commit(const Transaction& transaction) {
 
 void Committer::note(bool accepted, std::string what, std::string reason) { log.push_back({newest(), accepted, std::move(what), std::move(reason)}); }
 
+void add_factor(Transaction& edit, const FactorData& data, const RobustLoss& loss) {
+  Factor& factor = edit.factors.emplace_back();
+  factor.data = data;
+  factor.loss = loss;
+}
+
 }  // namespace sgraph

@@ -2,12 +2,6 @@
 
 namespace sgraph {
 
-void Transaction::add(const FactorData& data, const RobustLoss& loss) {
-  Factor& factor = factors.emplace_back();
-  factor.data = data;
-  factor.loss = loss;
-}
-
 const char* to_string(Refusal value) {
   switch (value) {
     case Refusal::none: return "none";

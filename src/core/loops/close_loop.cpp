@@ -104,7 +104,7 @@ bool close_loop(Committer& committer, LoopCloser& loops, const std::map<Keyframe
   if (!consistent) return false;
   Transaction edit;
   edit.reason = what;
-  edit.add(loop, RobustLoss::cauchy(params.loss_scale));
+  add_factor(edit, loop, RobustLoss::cauchy(params.loss_scale));
   return committer.commit(edit).ok();
 }
 

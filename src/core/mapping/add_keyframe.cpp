@@ -45,8 +45,8 @@ bool add_keyframe(MapState& state, const Keyframe& keyframe, const KeyframeCloud
     edit.keyframes[keyframe.id] = *state.graph.find(last.id) * motion.T_last_now;
     Vector6 tiny;
     tiny << Eigen::Vector3d::Constant(1e-6), Eigen::Vector3d::Constant(1e-6);
-    edit.add(
-        Se3Between{last.id, keyframe.id, motion.T_last_now, SqrtInformation<6>::from_covariance(covariance, tiny), Se3Between::Source::odometry});
+    add_factor(edit, Se3Between{last.id, keyframe.id, motion.T_last_now, SqrtInformation<6>::from_covariance(covariance, tiny),
+                                Se3Between::Source::odometry});
   }
   if (!committer.commit(edit).ok()) return false;
   state.planes.drift.add(keyframe.id, keyframe.T_odom_base, covariance);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <exception>
+#include <optional>
 #include <utility>
 
 #include "sgraph_slam/core/graph/solver.hpp"
@@ -34,15 +35,20 @@ class BackEnd::Implementation {
       : state_(params, T_base_lidar, std::move(clouds)), snapshot_(std::make_shared<GraphSnapshot>()) {}
 
   GraphSnapshotPtr process(const Keyframe& keyframe, const PlaneSegments& segments) {
-    Input input{without_cloud(keyframe), kept(keyframe), segments, true};
-    std::string failure = failure_of([&] { work_on(input); });
+    std::optional<Input> input;
+    std::string failure = failure_of([&] {
+      input = Input{without_cloud(keyframe), kept(keyframe), segments, true};
+      work_on(*input);
+    });
     if (failure.empty()) return snapshot_;
     restore();
-    report(keyframe.id, failure, "kept without its planes: it still joins those before and after it");
-    input.planes = false;
-    failure = failure_of([&] { work_on(input); });
-    if (failure.empty()) return snapshot_;
-    restore();
+    if (input) {
+      report(keyframe.id, failure, "kept without its planes: it still joins those before and after it");
+      input->planes = false;
+      failure = failure_of([&] { work_on(*input); });
+      if (failure.empty()) return snapshot_;
+      restore();
+    }
     report(keyframe.id, failure, "left out");
     return snapshot_;
   }

@@ -79,13 +79,13 @@ void add_widths(Committer& committer, const TopologicalLayer& layer, const Plane
       const auto& walls = room.shape.walls;
       const auto width = seen_width(segment_of(walls[static_cast<std::size_t>(2 * axis)]), segment_of(walls[static_cast<std::size_t>(2 * axis + 1)]),
                                     params.width_sigma);
-      if (width && width->width > 0) edit.add(RoomWidth{id, now, axis, width->width, width->sigma}, loss);
+      if (width && width->width > 0) add_factor(edit, RoomWidth{id, now, axis, width->width, width->sigma}, loss);
     }
   }
   for (const auto& [id, corridor] : layer.corridors()) {
     if (!committer.graph.find(id)) continue;
     const auto width = seen_width(segment_of(corridor.shape.walls[0]), segment_of(corridor.shape.walls[1]), params.width_sigma);
-    if (width && width->width > 0) edit.add(CorridorWidth{id, now, width->width, width->sigma}, loss);
+    if (width && width->width > 0) add_factor(edit, CorridorWidth{id, now, width->width, width->sigma}, loss);
   }
   if (!edit.factors.empty()) committer.commit(edit);
 }
@@ -123,8 +123,8 @@ void add_wall_faces(Committer& committer, const PlaneMap& planes, double max_ang
   }
   for (const Faces& faces : all) {
     if (std::abs(faces.thickness - usual) > 2 * params.thickness_sigma) continue;
-    edit.add(WallThickness{faces.planes.first, faces.planes.second, usual, params.thickness_sigma, faces.point},
-             RobustLoss::cauchy(params.loss_scale));
+    add_factor(edit, WallThickness{faces.planes.first, faces.planes.second, usual, params.thickness_sigma, faces.point},
+               RobustLoss::cauchy(params.loss_scale));
   }
   committer.commit(edit);
 }

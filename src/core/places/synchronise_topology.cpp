@@ -2,6 +2,7 @@
 #include <array>
 #include <utility>
 
+#include "sgraph_slam/core/graph/committer.hpp"
 #include "sgraph_slam/core/places/topological_layer.hpp"
 
 namespace sgraph {
@@ -49,7 +50,7 @@ void synchronise_pairs(const Graph& graph, PairSet wanted, const TopologyParams&
   }
   for (const PlanePair& planes : wanted) {
     if (!graph.find(planes.first) || !graph.find(planes.second)) continue;
-    edit.add(FactorType{planes.first, planes.second, params.angle_sigma}, RobustLoss::cauchy(params.loss_scale));
+    add_factor(edit, FactorType{planes.first, planes.second, params.angle_sigma}, RobustLoss::cauchy(params.loss_scale));
   }
 }
 
@@ -70,7 +71,7 @@ void synchronise_walls(const Graph& graph, PlaceId place, std::set<std::pair<Pla
     if (wall && wanted.erase({wall->plane, wall->side}) == 0) edit.remove_factors.push_back(id);
   }
   for (const auto& [plane, side] : wanted) {
-    if (graph.find(plane)) edit.add(FactorType{place, plane, side, sigma});
+    if (graph.find(plane)) add_factor(edit, FactorType{place, plane, side, sigma});
   }
 }
 

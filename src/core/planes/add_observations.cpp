@@ -126,7 +126,7 @@ AssociationResult add_observations(Committer& committer, PlaneLayer& planes, con
       ++result.ignored;
       continue;
     }
-    edit.add(observation(planes, now, view.plane, view.segment), loss);
+    add_factor(edit, observation(planes, now, view.plane, view.segment), loss);
   }
   views.erase(std::remove_if(views.begin(), views.end(), [](const View& view) { return !view.plane.valid(); }), views.end());
   const Applied applied = committer.commit(edit);

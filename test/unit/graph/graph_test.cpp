@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "factor_cases.hpp"
+#include "sgraph_slam/core/graph/committer.hpp"
 #include "sgraph_slam/core/graph/serialization.hpp"
 #include "sgraph_slam/core/graph/solver.hpp"
 
@@ -305,9 +306,9 @@ Transaction random_edit(Graph& graph, Draw& draw) {
   if (kind < 3) {
     const PlaneId plane = graph.new_plane_id();
     t.planes[plane] = draw.near(Plane{{1, 0, 0}, draw.uniform(1, 5)}, 0.01, 0.01);
-    for (int i = 0; i < 3; ++i) t.add(PosePlane{any_of(graph.keyframes(), draw), plane, Plane{}, Pose{}, {}});
-    if (!graph.planes().empty()) t.add(ParallelPlanes{any_of(graph.planes(), draw), plane});
-    if (!graph.rooms().empty()) t.add(RoomPlane{any_of(graph.rooms(), draw), plane, draw.below(2) == 0 ? RoomSide::x_low : RoomSide::y_high});
+    for (int i = 0; i < 3; ++i) add_factor(t, PosePlane{any_of(graph.keyframes(), draw), plane, Plane{}, Pose{}, {}});
+    if (!graph.planes().empty()) add_factor(t, ParallelPlanes{any_of(graph.planes(), draw), plane});
+    if (!graph.rooms().empty()) add_factor(t, RoomPlane{any_of(graph.rooms(), draw), plane, draw.below(2) == 0 ? RoomSide::x_low : RoomSide::y_high});
   }
   if (kind == 3) t.rooms[graph.new_room_id()] = draw.room();
   if (kind >= 4 && kind < 8 && graph.planes().size() > 1) t.merges = {{any_of(graph.planes(), draw), any_of(graph.planes(), draw)}};

@@ -2,91 +2,21 @@
 
 #include <gtest/gtest.h>
 
-#include <Eigen/Dense>
-
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
-#include <iostream>
 
 #include "sgraph_slam/core/math/se3.hpp"
 #include "sgraph_slam/core/math/so3.hpp"
-#include "support/mapped_building.hpp"
+#include "support/mapping_run.hpp"
 
 namespace sgraph {
 namespace {
-
-// Four rooms on both sides of a corridor, 15 cm walls, open doors.
-MappedBuilding office() {
-  MappedBuilding building;
-  building.add_room(0, 5.8, 18.85, 7.85, {{{4.0, 5.0}, {13.0, 14.0}}, {}, {{3.85, 4.85}, {13.85, 14.85}}, {}});
-  building.add_room(0, 0, 9.05, 5.65, {{}, {}, {{4.05, 5.05}}, {}});
-  building.add_room(9.2, 0, 18.85, 5.65, {{}, {}, {{4.85, 5.85}}, {}});
-  building.add_room(0, 8.0, 7.85, 13.85, {{{4.0, 5.0}}, {}, {}, {}});
-  building.add_room(8.0, 8.0, 18.85, 13.85, {{{6.0, 7.0}}, {}, {}, {}});
-  return building;
-}
-
-std::vector<Eigen::Vector2d> office_walk() {
-  return {{2, 2},     {7, 2},   {7, 4},   {4.5, 4.5}, {4.5, 6.8},  {13.5, 6.8}, {13.5, 4}, {17, 3}, {11, 2}, {13.5, 4}, {13.5, 6.8}, {14.5, 6.8},
-          {14.5, 10}, {17, 12}, {10, 12}, {14.5, 9},  {14.5, 6.8}, {4.5, 6.8},  {4.5, 10}, {2, 12}, {6, 12}, {4.5, 9},  {4.5, 4},    {2, 2}};
-}
-
-struct Outcome {
-  GraphSnapshotPtr snapshot;
-  double ate = 0;           // of the graph [m]
-  double odometry_ate = 0;  // [m]
-  double right_share = 0;   // segments on the plane that most segments of their face are on
-  double milliseconds = 0;
-};
-
-double position_rms(const std::vector<Eigen::Vector3d>& estimate, const std::vector<Eigen::Vector3d>& truth) {
-  Eigen::Matrix3Xd a(3, static_cast<Eigen::Index>(truth.size()));
-  Eigen::Matrix3Xd b(3, a.cols());
-  for (Eigen::Index i = 0; i < a.cols(); ++i) {
-    a.col(i) = estimate[static_cast<std::size_t>(i)];
-    b.col(i) = truth[static_cast<std::size_t>(i)];
-  }
-  const Eigen::Matrix4d T = Eigen::umeyama(a, b, false);
-  return std::sqrt(((T.topLeftCorner<3, 3>() * a).colwise() + Eigen::Vector3d(T.topRightCorner<3, 1>()) - b).colwise().squaredNorm().mean());
-}
-
-Outcome run(const std::vector<SeenKeyframe>& walk, const MappingParams& params) {
-  BackEnd back_end(params, MappedBuilding::T_base_lidar());
-  for (const SeenKeyframe& seen : walk) back_end.process(seen.keyframe, seen.segments);
-  Outcome result;
-  result.snapshot = back_end.optimize();
-  std::vector<Eigen::Vector3d> estimate;
-  std::vector<Eigen::Vector3d> odometry;
-  std::vector<Eigen::Vector3d> truth;
-  for (const SeenKeyframe& seen : walk) {
-    estimate.push_back(result.snapshot->keyframes.at(seen.keyframe.id).T_map_base.translation);
-    odometry.push_back(seen.keyframe.T_odom_base.translation);
-    truth.push_back(seen.T_world_base.translation);
-  }
-  result.ate = position_rms(estimate, truth);
-  result.odometry_ate = position_rms(odometry, truth);
-  if (std::getenv("SGRAPH_SHOW")) {
-    for (const Decision& d : back_end.decisions())
-      std::cout << d.keyframe.value << (d.accepted ? " + " : " - ") << d.what << ": " << d.reason << "\n";
-    for (const auto& [id, p] : result.snapshot->planes)
-      std::cout << "plane " << id.value << " " << to_string(p.plane_class) << " n " << p.plane.normal.transpose() << " d " << p.plane.d << " views "
-                << p.keyframes.size() << "\n";
-    for (const auto& [id, room] : result.snapshot->rooms)
-      std::cout << "room " << id.value << " " << room.center.transpose() << "  " << room.width.transpose() << "\n";
-    for (const auto& [id, c] : result.snapshot->corridors)
-      std::cout << "corridor " << id.value << " " << c.center.transpose() << "  " << c.width << " " << c.length << "\n";
-    for (const auto& o : result.snapshot->openings) std::cout << o.from << " " << o.to << " " << o.position.transpose() << "\n";
-    std::cout << "ate " << result.ate << " odometry " << result.odometry_ate << "\n";
-  }
-  return result;
-}
 
 TEST(BackEnd, MapsAnOfficeAtAnyHeading) {
   const MappedBuilding building = office();
   for (const double degrees : {0.0, 20.0, 44.9}) {
     const auto walk = building.walk(office_walk(), 0.75, degrees * M_PI / 180, {}, 3);
-    const Outcome result = run(walk, {});
+    const Outcome result = map_walk(walk, {});
     EXPECT_EQ(result.snapshot->rooms.size(), 4U) << degrees;
     EXPECT_EQ(result.snapshot->corridors.size(), 1U) << degrees;
     EXPECT_LT(result.ate, 0.01);
@@ -107,7 +37,8 @@ TEST(BackEnd, OptimisingTwiceChangesNothing) {
   for (const auto& [id, keyframe] : once->keyframes) EXPECT_EQ(keyframe.T_map_base.translation, twice->keyframes.at(id).T_map_base.translation);
 }
 
-// Where a wall becomes thinner a plane fitted to both parts would lie aslant between them, and fit either; and the room would show both to be one side.
+// Where a wall becomes thinner a plane fitted to both parts would lie aslant between them, and fit either; and the room would show both to be one
+// side.
 TEST(BackEnd, TwoPartsOfAWallOfDifferentThicknessStayTwoPlanes) {
   MappedBuilding building;
   building.add_face({0, 0}, {8, 0});
@@ -117,7 +48,7 @@ TEST(BackEnd, TwoPartsOfAWallOfDifferentThicknessStayTwoPlanes) {
   building.add_face({0, 8}, {0, 0});
   const Eigen::Vector2d start(2, 2);
   const auto walk = building.walk({start, {6.5, 2}, {6.5, 6}, {2, 6}, start, {6.5, 4}, {2, 4}, start}, 0.5, 0.4, {}, 6);
-  const Outcome result = run(walk, {});
+  const Outcome result = map_walk(walk, {});
   EXPECT_EQ(result.snapshot->rooms.size(), 1U);
   EXPECT_LT(result.ate, 0.005);
   const Pose T_map_world = walk.front().keyframe.T_odom_base * walk.front().T_world_base.inverse();
@@ -138,7 +69,7 @@ TEST(BackEnd, TwoPartsOfAWallOfDifferentThicknessStayTwoPlanes) {
 TEST(BackEnd, AGhostBesideAWallIsDropped) {
   const MappedBuilding building = office();
   auto walk = building.walk(office_walk(), 0.75, 0.3, {}, 5);
-  const std::size_t clean = run(walk, {}).snapshot->planes.size();
+  const std::size_t clean = map_walk(walk, {}).snapshot->planes.size();
   for (std::size_t i = 2; i < walk.size(); i += 7) {
     auto& segments = walk[i].segments.segments;
     PlaneSegment ghost = segments.front();
@@ -157,17 +88,17 @@ TEST(BackEnd, AGhostBesideAWallIsDropped) {
   }
   MappingParams never;
   never.association.ghost_distance = 0;
-  const std::size_t with_ghosts = run(walk, never).snapshot->planes.size() - clean;
+  const std::size_t with_ghosts = map_walk(walk, never).snapshot->planes.size() - clean;
   EXPECT_GE(with_ghosts, 8U);
   // Some lie on each other and look like a surface.
-  EXPECT_LE(run(walk, {}).snapshot->planes.size() - clean, with_ghosts / 2);
+  EXPECT_LE(map_walk(walk, {}).snapshot->planes.size() - clean, with_ghosts / 2);
 }
 
 // A wall and the cupboard before it, taken for one by three keyframes in a row: seen too often for a chance, but no wall leans against another.
 TEST(BackEnd, APlaneThatLeansAgainstAWallIsDropped) {
   const MappedBuilding building = office();
   auto walk = building.walk(office_walk(), 0.75, 0.3, {}, 5);
-  const std::size_t clean = run(walk, {}).snapshot->planes.size();
+  const std::size_t clean = map_walk(walk, {}).snapshot->planes.size();
   const auto T_world_lidar = [](const SeenKeyframe& seen) { return seen.T_world_base * MappedBuilding::T_base_lidar(); };
   const SeenKeyframe& first = walk[2];
   PlaneSegment wall;
@@ -186,8 +117,8 @@ TEST(BackEnd, APlaneThatLeansAgainstAWallIsDropped) {
   }
   MappingParams never;
   never.association.ghost_distance = 0;
-  EXPECT_EQ(run(walk, never).snapshot->planes.size(), clean + 1);
-  EXPECT_EQ(run(walk, {}).snapshot->planes.size(), clean);
+  EXPECT_EQ(map_walk(walk, never).snapshot->planes.size(), clean + 1);
+  EXPECT_EQ(map_walk(walk, {}).snapshot->planes.size(), clean);
 }
 
 }  // namespace

@@ -22,4 +22,7 @@ struct Committer {
   void note(bool accepted, std::string what, std::string reason);
 };
 
+/// Appends a factor to an edit.
+void add_factor(Transaction& edit, const FactorData& data, const RobustLoss& loss = {});
+
 }  // namespace sgraph

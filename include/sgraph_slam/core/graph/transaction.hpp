@@ -29,9 +29,6 @@ struct Transaction {
   std::vector<FactorId> remove_factors;
   std::vector<VariableId> remove_variables;  ///< their factors go with them
   std::vector<PlaneMerge> merges;
-
-  /// Appends to `factors`.
-  void add(const FactorData& data, const RobustLoss& loss = {});
 };
 
 enum class Refusal {
