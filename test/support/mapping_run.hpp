@@ -3,7 +3,7 @@
 #include <vector>
 
 #include "sgraph_slam/core/mapping/back_end.hpp"
-#include "support/mapped_building.hpp"
+#include "mapped_building.hpp"
 
 namespace sgraph {
 
