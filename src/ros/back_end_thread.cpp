@@ -31,6 +31,7 @@ BackEndThread::BackEndThread(const MappingParams& params, const std::string& map
     : params_(params),
       map_frame_(map_frame),
       changed_(std::move(changed)),
+      failed_(std::move(failed)),
       state_{empty_graph(map_frame), {}},
       worker_(
           0,
@@ -38,7 +39,7 @@ BackEndThread::BackEndThread(const MappingParams& params, const std::string& map
             task();
             return Work::done;
           },
-          std::move(failed)) {}
+          failed_) {}
 
 void BackEndThread::process(MatchedKeyframe keyframe) {
   worker_.push([this, keyframe = std::move(keyframe)] { take(keyframe); });
@@ -91,6 +92,7 @@ void BackEndThread::take(const MatchedKeyframe& matched) {
 void BackEndThread::start_over() {
   back_end_.reset();
   told_ = 0;
+  told_failures_ = 0;
   put(empty_graph(map_frame_), 0);
 }
 
@@ -100,9 +102,12 @@ void BackEndThread::put(GraphSnapshotPtr graph, double milliseconds) {
     const DecisionLog& all = back_end_->decisions();
     state.decided.assign(all.begin() + static_cast<std::ptrdiff_t>(std::min(told_, all.size())), all.end());
     told_ = all.size();
+    const std::vector<std::string>& failures = back_end_->failures();
+    for (; told_failures_ < failures.size(); ++told_failures_) failed_(failures[told_failures_]);
   }
   {
     const std::lock_guard<std::mutex> lock(mutex_);
+    state.number = state_.number + 1;
     state_ = state;
   }
   changed_(state, milliseconds);

@@ -1,6 +1,8 @@
 #include "sgraph_slam/ros/markers.hpp"
 
+#include <cmath>
 #include <cstdio>
+#include <map>
 
 #include "sgraph_slam/ros/conversions.hpp"
 #include "sgraph_slam/ros/messages.hpp"
@@ -130,19 +132,25 @@ class Drawing {
     array_.markers.push_back(face);
   }
 
-  /// From each wall to the keyframes that saw it.
+  /// From each keyframe to the walls that it saw: a marker a keyframe, so that old ones need not be sent again.
   void observations() {
-    Marker lines = marker("observations", Marker::LINE_LIST, {0.7F, 0.7F, 0.7F, 0.35F}, 0.015);
+    std::map<KeyframeId, Marker> of_keyframes;
     for (const auto& [id, plane] : snapshot_.planes) {
       if (plane.plane_class == PlaneClass::horizontal || plane.extent.empty()) continue;
+      const Eigen::Vector3d center = middle(plane.extent);
       for (const KeyframeId keyframe : plane.keyframes) {
         const auto found = snapshot_.keyframes.find(keyframe);
         if (found == snapshot_.keyframes.end()) continue;
-        lines.points.push_back(at(middle(plane.extent), planes_lift_));
-        lines.points.push_back(at(found->second.T_map_base.translation, 0));
+        auto [lines, is_new] = of_keyframes.try_emplace(keyframe);
+        if (is_new) {
+          lines->second = marker("observations", Marker::LINE_LIST, {0.7F, 0.7F, 0.7F, 0.35F}, 0.015);
+          lines->second.id = static_cast<int>(keyframe.value);
+        }
+        lines->second.points.push_back(at(center, planes_lift_));
+        lines->second.points.push_back(at(found->second.T_map_base.translation, 0));
       }
     }
-    if (!lines.points.empty()) array_.markers.push_back(lines);
+    for (auto& [keyframe, lines] : of_keyframes) array_.markers.push_back(std::move(lines));
   }
 
   void place(const std::string& name, int id, const Eigen::Vector3d& center, const std::vector<PlaneId>& planes, const Color& color,
@@ -203,6 +211,60 @@ class Drawing {
 };
 
 }  // namespace
+
+namespace {
+
+/// FNV-1a over what a marker looks like, lengths rounded to a centimetre; the stamp doesn't show.
+class Look {
+ public:
+  explicit Look(const Marker& marker) {
+    add(static_cast<std::uint64_t>(marker.type));
+    for (const double value : {marker.scale.x, marker.scale.y, marker.scale.z, marker.pose.orientation.x, marker.pose.orientation.y,
+                               marker.pose.orientation.z, marker.pose.orientation.w})
+      add(static_cast<std::uint64_t>(std::llround(1000 * value)));
+    for (const float value : {marker.color.r, marker.color.g, marker.color.b, marker.color.a})
+      add(static_cast<std::uint64_t>(std::lround(255 * value)));
+    add(marker.pose.position);
+    for (const geometry_msgs::Point& point : marker.points) add(point);
+    for (const char c : marker.text) add(static_cast<std::uint64_t>(c));
+    for (const char c : marker.header.frame_id) add(static_cast<std::uint64_t>(c));
+  }
+  [[nodiscard]] std::uint64_t value() const { return value_; }
+
+ private:
+  void add(std::uint64_t part) { value_ = (value_ ^ part) * 1099511628211ULL; }
+  void add(const geometry_msgs::Point& p) {
+    for (const double value : {p.x, p.y, p.z}) add(static_cast<std::uint64_t>(std::llround(100 * value)));
+  }
+
+  std::uint64_t value_ = 14695981039346656037ULL;
+};
+
+}  // namespace
+
+visualization_msgs::MarkerArray MarkerChanges::since_last(const visualization_msgs::MarkerArray& drawing, bool whole) {
+  visualization_msgs::MarkerArray changes;
+  std::map<std::pair<std::string, int>, std::uint64_t> now;
+  for (const Marker& marker : drawing.markers) {
+    if (marker.action != Marker::ADD) continue;
+    const std::pair<std::string, int> name{marker.ns, marker.id};
+    const std::uint64_t look = Look(marker).value();
+    now[name] = look;
+    const auto before = sent_.find(name);
+    if (before == sent_.end() || before->second != look) changes.markers.push_back(marker);
+  }
+  for (const auto& [name, look] : sent_) {
+    if (now.count(name) > 0) continue;
+    Marker gone;
+    if (!drawing.markers.empty()) gone.header = drawing.markers.front().header;
+    gone.ns = name.first;
+    gone.id = name.second;
+    gone.action = Marker::DELETE;
+    changes.markers.push_back(gone);
+  }
+  sent_ = std::move(now);
+  return whole ? drawing : changes;
+}
 
 visualization_msgs::MarkerArray graph_markers(const GraphSnapshot& snapshot, double layer_height) {
   Drawing drawing(snapshot, layer_height);

@@ -93,14 +93,16 @@ bool MappedBuilding::visible(const Eigen::Vector2d& from, const Eigen::Vector2d&
   });
 }
 
-void MappedBuilding::see(const Pose& T_world_base, double range_noise, std::mt19937& random, SeenKeyframe& seen) const {
-  std::normal_distribution<double> normal(0, range_noise);
+void MappedBuilding::see(const Pose& T_world_base, const BuildingNoise& noise, std::mt19937& random, SeenKeyframe& seen) const {
+  std::normal_distribution<double> normal(0, noise.range);
+  const auto cloud = std::make_shared<Cloud>();
   const Pose T_world_lidar = T_world_base * T_base_lidar();
   const Pose T_lidar_world = T_world_lidar.inverse();
   const Eigen::Vector3d eye = T_world_lidar.translation;
   const auto add_segment = [&](const std::vector<Eigen::Vector3d>& points, int face) {
+    for (const Eigen::Vector3d& p : points) cloud->points.emplace_back().set_position(p.cast<float>());
     if (points.size() < 12) return;
-    seen.segments.segments.push_back(fit_segment(points, range_noise));
+    seen.segments.segments.push_back(fit_segment(points, noise.range));
     seen.faces.push_back(face);
   };
   const auto measured = [&](const Eigen::Vector3d& p_world) -> Eigen::Vector3d {
@@ -137,6 +139,7 @@ void MappedBuilding::see(const Pose& T_world_base, double range_noise, std::mt19
   }
   add_segment(floor, -1);
   add_segment(ceiling, -2);
+  if (noise.clouds) seen.keyframe.cloud = cloud;
 }
 
 std::vector<SeenKeyframe> MappedBuilding::walk(const std::vector<Eigen::Vector2d>& waypoints, double step, double start_yaw,
@@ -164,7 +167,7 @@ std::vector<SeenKeyframe> MappedBuilding::walk(const std::vector<Eigen::Vector2d
       seen.keyframe.covariance = sigma.cwiseAbs2().asDiagonal();
     }
     seen.keyframe.scans.push_back({seen.keyframe.stamp, seen.keyframe.T_odom_base});
-    see(seen.T_world_base, noise.range, random, seen);
+    see(seen.T_world_base, noise, random, seen);
     all.push_back(std::move(seen));
   };
   for (std::size_t i = 0; i + 1 < waypoints.size(); ++i) {

@@ -30,6 +30,7 @@ struct BuildingNoise {
   double odometry_distance = 0.003;  ///< white, a step [m]
   double odometry_scale = 0;         ///< of the way
   double odometry_heading = 0;       ///< drift [rad/m]
+  bool clouds = false;               ///< keyframes have clouds, for loop closing
 };
 
 /// A building drawn by hand and a robot that walks through it with the noise of fits and of odometry, for tests of the mapping without the stages
@@ -54,7 +55,7 @@ class MappedBuilding {
   [[nodiscard]] static Pose T_base_lidar();
 
  private:
-  void see(const Pose& T_world_base, double range_noise, std::mt19937& random, SeenKeyframe& seen) const;
+  void see(const Pose& T_world_base, const BuildingNoise& noise, std::mt19937& random, SeenKeyframe& seen) const;
   [[nodiscard]] bool visible(const Eigen::Vector2d& from, const Eigen::Vector2d& to) const;
 
   std::vector<BuildingFace> faces_;

@@ -15,11 +15,12 @@ namespace sgraph {
 struct LiveMap {
   GraphSnapshotPtr graph;  ///< never null
   Pose T_base_lidar;
-  DecisionLog decided{};  ///< since the state before
+  DecisionLog decided{};    ///< since the state before
+  std::int64_t number = 0;  ///< counts the states, also over maps that were begun anew
 };
 
-/// Owns the back end on a thread of its own: no other thread touches the graph. Keyframes are never dropped: each stays in memory as part of the map
-/// anyway, so what waits costs nothing extra. All functions may be called from any thread.
+/// Owns the back end on a thread of its own: no other thread touches the graph. Keyframes are never dropped: each is a part of the map. The clouds of
+/// those that it has taken are in a temporary file. All functions may be called from any thread.
 class BackEndThread {
  public:
   /// `changed` is called on the thread with each new state.
@@ -50,10 +51,12 @@ class BackEndThread {
   const MappingParams params_;
   const std::string map_frame_;
   const std::function<void(const LiveMap&, double)> changed_;
+  const std::function<void(const std::string&)> failed_;
 
   std::optional<BackEnd> back_end_;  // this and the next are used by the thread alone
   KeyframeId last_;
-  std::size_t told_ = 0;  // decisions
+  std::size_t told_ = 0;           // decisions
+  std::size_t told_failures_ = 0;  // of steps
   Pose T_base_lidar_;
   mutable std::mutex mutex_;
   LiveMap state_;  // guarded by mutex_

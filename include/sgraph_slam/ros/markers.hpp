@@ -2,6 +2,11 @@
 
 #include <visualization_msgs/MarkerArray.h>
 
+#include <cstdint>
+#include <map>
+#include <string>
+#include <utility>
+
 #include "sgraph_slam/core/types/scene.hpp"
 
 namespace sgraph {
@@ -10,5 +15,16 @@ namespace sgraph {
 /// they are, planes as polygons above, rooms and corridors as nodes on top, with names and sizes and a line to each of their walls. Begins with a
 /// marker that deletes what an earlier message drew.
 visualization_msgs::MarkerArray graph_markers(const GraphSnapshot& snapshot, double layer_height);
+
+/// Sends of a drawing what has changed since the one before: a map grows at one place and stays as it is elsewhere.
+class MarkerChanges {
+ public:
+  /// Of a whole drawing: all of it when `whole`; else the markers that are new or look another way by more than a centimetre, and deletions of those
+  /// that are gone. Empty when nothing changed.
+  visualization_msgs::MarkerArray since_last(const visualization_msgs::MarkerArray& drawing, bool whole);
+
+ private:
+  std::map<std::pair<std::string, int>, std::uint64_t> sent_;  // what each marker looked like
+};
 
 }  // namespace sgraph

@@ -228,7 +228,7 @@ class BackEnd::Implementation {
 
   [[nodiscard]] std::vector<Wall> counted_walls() const {
     std::vector<Wall> walls = state_.planes.map.walls(static_cast<std::size_t>(state_.params.topology.min_views), state_.params.topology.min_height);
-    const std::vector<Eigen::Vector2d> path = path_of(state_.graph);
+    const GroundPath path(state_.graph);
     for (Wall& wall : walls) open_passages(wall, path);
     walls.erase(std::remove_if(walls.begin(), walls.end(), [](const Wall& wall) { return wall.support.empty(); }), walls.end());
     return walls;

@@ -28,10 +28,16 @@ FactorData observation(const PlaneLayer& planes, KeyframeId keyframe, PlaneId pl
                    SqrtInformation<3>::from_covariance(covariance, Eigen::Vector3d::Constant(1e-6))};
 }
 
-std::vector<PlaneCandidate> candidates_of(const Graph& graph, const PlaneMap& planes) {
+// The planes that the segment may be of, by where it is. On the plane they are `extent_margin` apart at most; off it the segment reaches as far as
+// its centroid may be off and its length at the largest angle.
+std::vector<PlaneCandidate> candidates_of(const Graph& graph, const PlaneMap& planes, const Pose& T_map_lidar, const PlaneSegment& segment,
+                                          const AssociationParams& params) {
+  Eigen::AlignedBox3d box;
+  for (const Eigen::Vector3d& corner : segment.extent) box.extend(T_map_lidar * corner);
+  const double off = params.max_distance + std::sin(params.max_angle) * box.diagonal().norm() + PlaneMap::stale;
   std::vector<PlaneCandidate> candidates;
-  for (const auto& [id, record] : planes.records()) {
-    if (const Plane* plane = graph.find(id)) candidates.push_back({id, *plane, &record.outline});
+  for (const PlaneId id : planes.index().near(box, std::hypot(params.extent_margin, off))) {
+    if (const Plane* plane = graph.find(id)) candidates.push_back({id, *plane, &planes.find(id)->outline});
   }
   return candidates;
 }
@@ -84,7 +90,6 @@ AssociationResult add_observations(Committer& committer, PlaneLayer& planes, con
   const Graph& graph = committer.graph;
   const AssociationParams& params = planes.params.association;
   const Pose T_map_base = *graph.find(now);
-  const std::vector<PlaneCandidate> candidates = candidates_of(graph, planes.map);
   const PlaneUncertainty uncertainty(graph, planes.map, planes.drift, planes.marginals, now);
   const auto predicted = [&uncertainty](PlaneId id, const Innovation& innovation) { return uncertainty(id, innovation); };
 
@@ -97,6 +102,7 @@ AssociationResult add_observations(Committer& committer, PlaneLayer& planes, con
       ++result.ignored;
       continue;
     }
+    const std::vector<PlaneCandidate> candidates = candidates_of(graph, planes.map, T_map_base * planes.T_base_lidar, view.segment, params);
     view.matches = associate(view.segment, T_map_base, planes.T_base_lidar, candidates, predicted, params);
     view.unsure = side_is_unsure(view.segment, origins);
     if (view.unsure) {

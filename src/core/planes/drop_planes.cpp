@@ -17,7 +17,10 @@ bool is_ghost(const Graph& graph, const PlaneLayer& planes, const PlaneRecord& r
   const AssociationParams& params = planes.params.association;
   const Plane& plane = *graph.find(record.id);
   const Eigen::Vector3d center = outline_center(record.outline);
-  for (const auto& [id, other] : planes.map.records()) {
+  // A wall that reaches behind all of the plane is no further off than this, however the two lean.
+  const double gap = params.ghost_distance + std::sin(params.max_angle) * record.box().diagonal().norm() + PlaneMap::stale;
+  for (const PlaneId id : planes.map.index().near(record.box(), gap)) {
+    const PlaneRecord& other = *planes.map.find(id);
     if (other.keyframes.size() < known_better * record.keyframes.size()) continue;
     const Plane& wall = *graph.find(id);
     const double cosine = wall.normal.dot(plane.normal);
@@ -29,7 +32,7 @@ bool is_ghost(const Graph& graph, const PlaneLayer& planes, const PlaneRecord& r
 }
 
 // Whether the plane was seen only where the robot has walked.
-bool is_walked_through(const PlaneRecord& record, const std::vector<Eigen::Vector2d>& path) {
+bool is_walked_through(const PlaneRecord& record, const GroundPath& path) {
   if (!record.wall) return false;
   Wall wall = *record.wall;
   open_passages(wall, path);
@@ -38,15 +41,9 @@ bool is_walked_through(const PlaneRecord& record, const std::vector<Eigen::Vecto
 
 }  // namespace
 
-std::vector<Eigen::Vector2d> path_of(const Graph& graph) {
-  std::vector<Eigen::Vector2d> path;
-  for (const auto& [id, T_map_base] : graph.keyframes()) path.emplace_back(T_map_base.translation.head<2>());
-  return path;
-}
-
 int drop_passing_planes(Committer& committer, PlaneLayer& planes, bool all) {
   const AssociationParams& params = planes.params.association;
-  const std::vector<Eigen::Vector2d> path = path_of(committer.graph);
+  const GroundPath path(committer.graph);
   Transaction edit;
   edit.reason = "planes seen in passing";
   std::vector<PlaneId> passing;

@@ -44,16 +44,22 @@ PlaneDifference plane_difference(const Plane& a, const Plane& b, const Eigen::Ve
 std::vector<PlanePair> merge_candidates(const Graph& graph, const PlaneMap& planes, const MergeParams& params, double margin) {
   std::vector<PlanePair> pairs;
   const double limit = std::cos(params.max_angle);
-  for (auto a = planes.records().begin(); a != planes.records().end(); ++a) {
-    const Plane* plane_a = graph.find(a->first);
+  for (const auto& [id_a, a] : planes.records()) {
+    const Plane* plane_a = graph.find(id_a);
     if (!plane_a) continue;
-    for (auto b = std::next(a); b != planes.records().end(); ++b) {
-      const Plane* plane_b = graph.find(b->first);
+    // On plane a they are `margin` apart at most; off it, b reaches as far as it may be off at the common point and its distance from there at the
+    // largest angle.
+    const double reach = a.box().diagonal().norm() + planes.index().longest() + margin;
+    const double off = params.max_distance + 2 * std::sin(params.max_angle) * reach + PlaneMap::stale;
+    for (const PlaneId id_b : planes.index().near(a.box(), std::hypot(margin, off))) {
+      if (!(id_a < id_b)) continue;
+      const PlaneRecord& b = *planes.find(id_b);
+      const Plane* plane_b = graph.find(id_b);
       if (!plane_b || plane_a->normal.dot(plane_b->normal) < limit) continue;
-      const Eigen::Vector3d point = common_point(a->second, b->second);
+      const Eigen::Vector3d point = common_point(a, b);
       if (std::abs(plane_b->distance(point) - plane_a->distance(point)) > params.max_distance) continue;
-      if (outline_distance(*plane_a, a->second.outline, b->second.outline) > margin) continue;
-      pairs.emplace_back(a->first, b->first);
+      if (outline_distance(*plane_a, a.outline, b.outline) > margin) continue;
+      pairs.emplace_back(id_a, id_b);
     }
   }
   return pairs;
@@ -82,13 +88,15 @@ bool seen_apart(const Graph& graph, const PlaneRecord& a, const PlaneRecord& b, 
   };
   int together = 0;
   int apart = 0;
+  auto first = b.observations.begin();  // of the keyframe at hand: both lists are in order
   for (const PlaneObservation& one : a.observations) {
-    if (b.keyframes.count(one.keyframe) == 0) continue;
+    while (first != b.observations.end() && first->keyframe < one.keyframe) ++first;
+    if (first == b.observations.end()) break;
+    if (first->keyframe != one.keyframe) continue;
     const auto plane_a = measured(one);
     if (!plane_a) continue;
-    for (const PlaneObservation& other : b.observations) {
-      if (other.keyframe != one.keyframe) continue;
-      const auto plane_b = measured(other);
+    for (auto other = first; other != b.observations.end() && other->keyframe == one.keyframe; ++other) {
+      const auto plane_b = measured(*other);
       if (plane_b) ++(are_apart(*plane_a, *plane_b, chi_square) ? apart : together);
     }
   }

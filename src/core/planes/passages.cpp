@@ -9,14 +9,16 @@ constexpr double inside = 0.2;      // [m] from the end of a stretch: the path i
 constexpr double half_width = 0.4;  // of a passage [m]
 constexpr double scrap = 0.5;       // [m] beside a passage
 
-// Positions along the wall's line where the path crosses it.
-std::vector<double> crossings(const Wall& wall, const std::vector<Eigen::Vector2d>& path) {
+// Positions along the wall's line where the path crosses what has been seen of it, in the order of the path.
+std::vector<double> crossings(const Wall& wall, const GroundPath& path) {
   std::vector<double> found;
-  for (std::size_t i = 1; i < path.size(); ++i) {
-    const double from = wall.distance(path[i - 1]);
-    const double to = wall.distance(path[i]);
+  const std::vector<Eigen::Vector2d>& points = path.points();
+  const Interval seen = hull(wall.support);
+  for (const std::size_t i : path.steps_near(wall.at(seen.low), wall.at(seen.high))) {
+    const double from = wall.distance(points[i - 1]);
+    const double to = wall.distance(points[i]);
     if ((from > 0) == (to > 0)) continue;
-    found.push_back(wall.direction().dot(path[i - 1] + from / (from - to) * (path[i] - path[i - 1])));
+    found.push_back(wall.direction().dot(points[i - 1] + from / (from - to) * (points[i] - points[i - 1])));
   }
   return found;
 }
@@ -25,7 +27,8 @@ bool leads_through(const Interval& stretch, double at) { return at > stretch.low
 
 }  // namespace
 
-void open_passages(Wall& wall, const std::vector<Eigen::Vector2d>& path) {
+void open_passages(Wall& wall, const GroundPath& path) {
+  if (wall.support.empty()) return;
   for (const double at : crossings(wall, path)) {
     Intervals left;
     for (const Interval& stretch : wall.support) {

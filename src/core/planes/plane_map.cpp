@@ -24,6 +24,25 @@ Eigen::Matrix3d moved_covariance(const Pose& T_map_lidar, const Plane& measured,
   return J * covariance * J.transpose();
 }
 
+// Whether two poses of a keyframe put what it saw in places further apart than the tolerance.
+bool has_moved(const Pose& before, const Pose& now) {
+  constexpr double reach = 20;  // of what is seen [m]
+  const double angle = 2 * (before.rotation.conjugate() * now.rotation).vec().norm();
+  return (before.translation - now.translation).norm() + reach * angle > PlaneMap::tolerance;
+}
+
+bool has_moved(const PlaneRecord& record, const Plane& now) {
+  return std::any_of(record.outline.begin(), record.outline.end(), [&](const Eigen::Vector3d& corner) {
+    return std::abs(record.built.distance(corner) - now.distance(corner)) > PlaneMap::tolerance;
+  });
+}
+
+double middle_height(const Outline& outline) {
+  const auto lower = [](const Eigen::Vector3d& a, const Eigen::Vector3d& b) { return a.z() < b.z(); };
+  const auto [low, high] = std::minmax_element(outline.begin(), outline.end(), lower);
+  return outline.empty() ? 0 : 0.5 * (low->z() + high->z());
+}
+
 PlaneClassParams class_params(const SemanticsParams& params) { return {params.tilt, params.oblique, params.hysteresis}; }
 
 }  // namespace
@@ -40,8 +59,11 @@ void PlaneMap::observe(const Graph& graph, PlaneId id, KeyframeId keyframe, Fact
   record.keyframes.insert(keyframe);
   record.last_seen = keyframe;
   record.last_covariance = moved_covariance(T_map_lidar, measured, *plane, covariance);
+  record.grown = true;
+  poses_.emplace(keyframe, *T_map_base);
   const Outline seen = moved(T_map_lidar, outline_lidar);
   record.outline = grown_outline(*plane, record.outline, seen);
+  index_.put(id, record.box());
   const auto whole = make_wall(id, *plane, {record.outline}, params_.tilt, params_.wall_gap);
   const auto piece = make_wall(id, *plane, {seen}, params_.tilt, params_.wall_gap);
   if (!whole || !piece) {
@@ -56,7 +78,13 @@ void PlaneMap::observe(const Graph& graph, PlaneId id, KeyframeId keyframe, Fact
   record.wall->views = record.keyframes.size();
 }
 
-void PlaneMap::rebuild(const Graph& graph, PlaneRecord& record) const {
+Eigen::AlignedBox3d PlaneRecord::box() const {
+  Eigen::AlignedBox3d box;
+  for (const Eigen::Vector3d& corner : outline) box.extend(corner);
+  return box;
+}
+
+void PlaneMap::rebuild(const Graph& graph, PlaneRecord& record) {
   const Plane* plane = graph.find(record.id);
   if (!plane) return;
   std::vector<Outline> outlines;
@@ -71,17 +99,64 @@ void PlaneMap::rebuild(const Graph& graph, PlaneRecord& record) const {
   }
   if (!record.keyframes.empty()) record.last_seen = record.keyframes.newest();
   record.outline = convex_outline(*plane, corners);
+  record.built = *plane;
+  record.middle = middle_height(corners);
+  record.grown = false;
+  index_.put(record.id, record.box());
   record.wall = make_wall(record.id, *plane, outlines, params_.tilt, params_.wall_gap);
   if (!record.wall) return;
   record.wall->last_seen = record.last_seen;
   record.wall->views = record.keyframes.size();
 }
 
+// The wall of a plane that moved a little. False when it takes more than that.
+bool PlaneMap::follow(const Plane& plane, PlaneRecord& record) const {
+  const double level = plane.normal.head<2>().norm();
+  if ((level >= std::cos(params_.tilt)) != record.wall.has_value()) return false;
+  if (!record.wall) return true;
+  Wall& wall = *record.wall;
+  const Eigen::Vector2d foot = -wall.offset * wall.normal;
+  const Eigen::Vector2d before = wall.direction();
+  wall.normal = plane.normal.head<2>() / level;
+  wall.offset = (plane.d + plane.normal.z() * record.middle) / level;
+  // Positions along the wall are from the foot of the map's origin, which turns with it.
+  const double scale = before.dot(wall.direction());
+  const double shift = foot.dot(wall.direction());
+  for (Interval& stretch : wall.support) stretch = {scale * stretch.low + shift, scale * stretch.high + shift};
+  return true;
+}
+
+std::vector<KeyframeId> PlaneMap::moved_keyframes(const Graph& graph) {
+  std::vector<KeyframeId> ids;
+  for (auto known = poses_.begin(); known != poses_.end();) {
+    const Pose* now = graph.find(known->first);
+    if (now && !has_moved(known->second, *now)) {
+      ++known;
+      continue;
+    }
+    ids.push_back(known->first);
+    if (now) known->second = *now;
+    known = now ? std::next(known) : poses_.erase(known);
+  }
+  return ids;
+}
+
 void PlaneMap::refresh(const Graph& graph, const DominantFrame& frame) {
+  const std::vector<KeyframeId> moved = moved_keyframes(graph);
+  const auto saw_from_elsewhere = [&moved](const PlaneRecord& record) {
+    return std::any_of(moved.begin(), moved.end(), [&](KeyframeId id) { return record.keyframes.count(id) > 0; });
+  };
   for (auto& [id, record] : records_) {
-    rebuild(graph, record);
+    const Plane* plane = graph.find(id);
+    if (!plane) continue;
+    if (record.grown || has_moved(record, *plane) || saw_from_elsewhere(record) || !follow(*plane, record)) rebuild(graph, record);
     reclassify(graph, id, frame);
   }
+}
+
+void PlaneMap::erase(PlaneId id) {
+  records_.erase(id);
+  index_.erase(id);
 }
 
 void PlaneMap::reclassify(const Graph& graph, PlaneId id, const DominantFrame& frame) {
@@ -100,7 +175,7 @@ void PlaneMap::merge(const Graph& graph, PlaneId kept, PlaneId merged) {
   std::stable_sort(observations.begin(), observations.end(), [](const auto& a, const auto& b) { return a.keyframe < b.keyframe; });
   if (to->second.last_seen < from->second.last_seen) to->second.last_covariance = from->second.last_covariance;
   retired_[merged] = from->second;
-  records_.erase(from);
+  erase(merged);
   rebuild(graph, to->second);
 }
 

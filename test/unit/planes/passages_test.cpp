@@ -21,7 +21,7 @@ class Passages : public testing::TestWithParam<double> {
     for (auto part = along_y.rbegin(); part != along_y.rend(); ++part) wall.support.push_back({-part->high, -part->low});
     return wall;
   }
-  std::vector<Eigen::Vector2d> through(double y) const { return {place(-1, 0), place(1.5, y), place(2.3, y), place(5, y)}; }
+  GroundPath through(double y) const { return GroundPath({place(-1, 0), place(1.5, y), place(2.3, y), place(5, y)}); }
 };
 
 TEST_P(Passages, AWallWithADoorKeepsTheRest) {
@@ -44,7 +44,7 @@ TEST_P(Passages, WhereAGapIsKnownOrTheWayEndsBeforeTheWallNothingChanges) {
   Wall w = wall({{-5, 0.4}, {1.4, 3}});
   const Intervals before = w.support;
   open_passages(w, through(0.9));
-  open_passages(w, {place(0, -2), place(1.9, -2), place(0, -3)});
+  open_passages(w, GroundPath({place(0, -2), place(1.9, -2), place(0, -3)}));
   ASSERT_EQ(w.support.size(), before.size());
   for (std::size_t i = 0; i < before.size(); ++i) {
     EXPECT_EQ(w.support[i].low, before[i].low);

@@ -90,6 +90,32 @@ TEST(Markers, PlacesAreLinkedToTheirWallsAndSayTheirSize) {
   EXPECT_EQ(markers.find("corridors_walls")->second.points.size(), 2U);
 }
 
+// A map grows at one place: what stays as it is isn't sent again.
+TEST(Markers, OnlyWhatChangedIsSentAgain) {
+  using visualization_msgs::Marker;
+  GraphSnapshot graph = small_graph();
+  MarkerChanges changes;
+  const auto first = graph_markers(graph, layer);
+  EXPECT_EQ(changes.since_last(first, false).markers.size(), first.markers.size() - 1);  // all but the eraser
+  graph.keyframes.at({1}).stamp = {9'000'000'000};
+  graph.keyframes.at({1}).T_map_base.translation.x() += 0.001;
+  EXPECT_TRUE(changes.since_last(graph_markers(graph, layer), false).markers.empty());
+  graph.planes.at({2}).extent[0].x() -= 0.5;
+  auto changed = changes.since_last(graph_markers(graph, layer), false);
+  ASSERT_EQ(changed.markers.size(), 1U);
+  EXPECT_EQ(changed.markers[0].ns, "plane_outlines");
+  EXPECT_EQ(changed.markers[0].id, 2);
+  graph.planes.erase({2});
+  changed = changes.since_last(graph_markers(graph, layer), false);
+  ASSERT_EQ(changed.markers.size(), 1U);
+  EXPECT_EQ(changed.markers[0].action, Marker::DELETE);
+  EXPECT_EQ(changed.markers[0].ns, "plane_outlines");
+  EXPECT_EQ(changed.markers[0].header.frame_id, "site");
+  const auto whole = changes.since_last(graph_markers(graph, layer), true);
+  EXPECT_EQ(whole.markers.size(), graph_markers(graph, layer).markers.size());
+  EXPECT_EQ(whole.markers[0].action, Marker::DELETEALL);
+}
+
 TEST(Markers, OpeningsJoinThePlacesTheyName) {
   GraphSnapshot graph = small_graph();
   graph.rooms[{3}] = {{3}, {5, 0, 1}, {4, 4}, 0, {{0}, {1}, {0}, {1}}};

@@ -9,6 +9,7 @@
 #include "sgraph_slam/core/planes/dominant_frame.hpp"
 #include "sgraph_slam/core/planes/outline.hpp"
 #include "sgraph_slam/core/planes/params.hpp"
+#include "sgraph_slam/core/planes/plane_index.hpp"
 #include "sgraph_slam/core/planes/wall.hpp"
 #include "sgraph_slam/core/types/keyframe_set.hpp"
 
@@ -31,6 +32,13 @@ struct PlaneRecord {
   Outline outline;                                            ///< all that has been seen of it, map frame
   Eigen::Matrix3d last_covariance = Eigen::Matrix3d::Zero();  ///< of the newest view given its keyframe; tangent of the plane in the map [rad, m]
   std::optional<Wall> wall;                                   ///< when it is vertical
+
+  Plane built;         ///< the estimate when the outline was last put together anew
+  double middle = 0;   ///< height at which the wall's offset holds [m]
+  bool grown = false;  ///< since then
+
+  /// Around the outline; empty without one.
+  [[nodiscard]] Eigen::AlignedBox3d box() const;
 };
 
 /// The records of the graph's planes: extents, classes, views. Holds no estimate.
@@ -43,26 +51,39 @@ class PlaneMap {
   void observe(const Graph& graph, PlaneId id, KeyframeId keyframe, FactorId factor, const Outline& outline_lidar, const Pose& T_base_lidar,
                const Plane& measured, const Eigen::Matrix3d& covariance);
 
-  /// Brings extents, walls and classes up to the graph's estimates. Merged planes' records are joined, undone ones restored.
+  /// How far a plane may be off its outline, and an outline off where its keyframes have it now, until it is put together anew [m]; far below what
+  /// the points of a surface scatter and what lies between them.
+  static constexpr double tolerance = 0.005;
+  /// Bound on how far outlines are off their planes' newest estimates between global solves, for searches by the boxes around them [m].
+  static constexpr double stale = 0.5;
+
+  /// Brings extents, walls and classes up to the graph's estimates. What hasn't moved by more than the tolerance since it was put together, and has
+  /// not been seen since, keeps its extent; walls always follow their planes.
   void refresh(const Graph& graph, const DominantFrame& frame);
   /// Class of one plane, after a view.
   void reclassify(const Graph& graph, PlaneId id, const DominantFrame& frame);
 
   void merge(const Graph& graph, PlaneId kept, PlaneId merged);
-  void erase(PlaneId id) { records_.erase(id); }
+  void erase(PlaneId id);
   void undo_merge(const Graph& graph, PlaneId kept, PlaneId merged);
 
   [[nodiscard]] const std::map<PlaneId, PlaneRecord>& records() const { return records_; }
   [[nodiscard]] const PlaneRecord* find(PlaneId id) const;
+  /// Where the planes are.
+  [[nodiscard]] const PlaneIndex& index() const { return index_; }
   /// The walls that at least this many keyframes have seen and that are at least this high [m], by id.
   [[nodiscard]] std::vector<Wall> walls(std::size_t min_views = 1, double min_height = 0) const;
 
  private:
-  void rebuild(const Graph& graph, PlaneRecord& record) const;
+  void rebuild(const Graph& graph, PlaneRecord& record);
+  bool follow(const Plane& plane, PlaneRecord& record) const;
+  std::vector<KeyframeId> moved_keyframes(const Graph& graph);
 
   SemanticsParams params_;
   std::map<PlaneId, PlaneRecord> records_;
   std::map<PlaneId, PlaneRecord> retired_;  ///< by the plane merged away, as it was
+  std::map<KeyframeId, Pose> poses_;        ///< of the keyframes, as the outlines have them to within the tolerance
+  PlaneIndex index_;
 };
 
 /// Directions and lengths of the walls, for the dominant frame.
