@@ -80,7 +80,7 @@ class VoxelMeans {
 
 }  // namespace
 
-Cloud map_cloud(const GraphSnapshot& snapshot, const Pose& T_base_lidar, double leaf) {
+Cloud map_cloud(const GraphSnapshot& snapshot, const Pose& T_base_lidar, double leaf, const SeenThrough* gone) {
   Cloud map;
   map.frame = snapshot.frame;
   VoxelMeans voxels(leaf);
@@ -93,6 +93,7 @@ Cloud map_cloud(const GraphSnapshot& snapshot, const Pose& T_base_lidar, double 
     for (const Point& point : cloud->points) {
       if (!finite(point)) continue;
       const Eigen::Vector3d p = rotation * point.position().cast<double>() + T_map_lidar.translation;
+      if (gone != nullptr && (*gone)(p)) continue;
       Point moved = point;
       moved.time = 0;
       if (leaf > 0) {

@@ -1,5 +1,6 @@
 #include "sgraph_slam/core/io/map_folder.hpp"
 
+#include <optional>
 #include <sstream>
 
 #include "sgraph_slam/core/io/file.hpp"
@@ -38,8 +39,11 @@ void write_map(const std::string& folder, const GraphSnapshot& snapshot, const T
   write_file(base + "keyframes.tum", tum_text(keyframes));
   write_file(base + "graph.json", graph_json(snapshot));
   write_file(base + "decisions.csv", decisions_csv(snapshot.decisions));
-  write_file(base + "map.pcd", pcd_bytes(map_cloud(snapshot, T_base_lidar, params.cloud_leaf)));
-  const OccupancyGrid grid = make_occupancy_grid(snapshot, T_base_lidar, params);
+  std::optional<SeenThrough> gone;
+  if (!params.keep_gone) gone.emplace(snapshot, T_base_lidar);
+  const SeenThrough* const leave_out = gone ? &*gone : nullptr;
+  write_file(base + "map.pcd", pcd_bytes(map_cloud(snapshot, T_base_lidar, params.cloud_leaf, leave_out)));
+  const OccupancyGrid grid = make_occupancy_grid(snapshot, T_base_lidar, params, leave_out);
   write_file(base + "map.pgm", pgm_bytes(grid));
   write_file(base + "map.yaml", map_yaml(grid, "map.pgm"));
   const FloorPlan plan = make_floor_plan(snapshot, grid, path);

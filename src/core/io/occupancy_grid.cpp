@@ -33,7 +33,8 @@ void sort_and_thin(std::vector<Cell>& cells) {
   cells.shrink_to_fit();
 }
 
-Sweep sweep_of(const SceneKeyframe& keyframe, const Cloud& cloud, const Pose& T_base_lidar, const Plane& floor, const OutputParams& params) {
+Sweep sweep_of(const SceneKeyframe& keyframe, const Cloud& cloud, const Pose& T_base_lidar, const Plane& floor, const OutputParams& params,
+               const SeenThrough* gone) {
   const Pose T_map_lidar = keyframe.T_map_base * T_base_lidar;
   const Eigen::Vector3d& origin = T_map_lidar.translation;
   const double lidar_height = floor.distance(origin);
@@ -46,6 +47,7 @@ Sweep sweep_of(const SceneKeyframe& keyframe, const Cloud& cloud, const Pose& T_
     const Eigen::Vector3d p = T_map_lidar * point.position().cast<double>();
     if (!p.allFinite() || p.cwiseAbs().maxCoeff() > max_coordinate) continue;
     const double height = floor.distance(p);
+    if (gone != nullptr && (*gone)(p)) continue;
     if (height >= low && height <= high) {
       sweep.hits.push_back(cell_of(p));
     } else {
@@ -149,12 +151,12 @@ std::int8_t OccupancyGrid::at(const Eigen::Vector2d& p) const {
   return cells[static_cast<std::size_t>(cell.y()) * static_cast<std::size_t>(width) + static_cast<std::size_t>(cell.x())];
 }
 
-OccupancyGrid make_occupancy_grid(const GraphSnapshot& snapshot, const Pose& T_base_lidar, const OutputParams& params) {
+OccupancyGrid make_occupancy_grid(const GraphSnapshot& snapshot, const Pose& T_base_lidar, const OutputParams& params, const SeenThrough* gone) {
   std::vector<Sweep> sweeps;
   for (const auto& [id, keyframe] : snapshot.keyframes) {
     const auto floor = floor_below(snapshot, keyframe, T_base_lidar);
     const CloudPtr cloud = keyframe.cloud.get();
-    if (floor && cloud) sweeps.push_back(sweep_of(keyframe, *cloud, T_base_lidar, *floor, params));
+    if (floor && cloud) sweeps.push_back(sweep_of(keyframe, *cloud, T_base_lidar, *floor, params, gone));
   }
   OccupancyGrid grid;
   grid.resolution = params.grid_resolution;

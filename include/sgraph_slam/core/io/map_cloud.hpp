@@ -3,13 +3,15 @@
 #include <optional>
 #include <string>
 
+#include "sgraph_slam/core/io/seen_through.hpp"
 #include "sgraph_slam/core/types/scene.hpp"
 
 namespace sgraph {
 
 /// The keyframes' clouds where the graph has them, in the map frame: the mean of the points in each voxel of edge `leaf` [m]; 0: all points. Voxels
-/// beside a surface that hold only its outer noise are left out, as are points that are not finite. Times are 0.
-Cloud map_cloud(const GraphSnapshot& snapshot, const Pose& T_base_lidar, double leaf);
+/// beside a surface that hold only its outer noise are left out, as are points that are not finite, and those of what is gone when `gone` is given.
+/// Times are 0.
+Cloud map_cloud(const GraphSnapshot& snapshot, const Pose& T_base_lidar, double leaf, const SeenThrough* gone = nullptr);
 
 /// A cloud as the bytes of a binary PCD file (x y z intensity, float32).
 std::string pcd_bytes(const Cloud& cloud);

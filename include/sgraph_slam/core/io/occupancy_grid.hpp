@@ -7,6 +7,7 @@
 #include <Eigen/Core>
 
 #include "sgraph_slam/core/io/params.hpp"
+#include "sgraph_slam/core/io/seen_through.hpp"
 #include "sgraph_slam/core/types/scene.hpp"
 
 namespace sgraph {
@@ -28,8 +29,9 @@ struct OccupancyGrid {
 };
 
 /// Points in a band above the floor are obstacles; what the rays from the LiDAR to the points passed within that band is free. The band is widened
-/// to hold the LiDAR itself. A cell that one keyframe hits and others see through is decided by their odds.
-OccupancyGrid make_occupancy_grid(const GraphSnapshot& snapshot, const Pose& T_base_lidar, const OutputParams& params);
+/// to hold the LiDAR itself. A cell that one keyframe hits and others see through is decided by their odds; what is `gone` is no obstacle.
+OccupancyGrid make_occupancy_grid(const GraphSnapshot& snapshot, const Pose& T_base_lidar, const OutputParams& params,
+                                  const SeenThrough* gone = nullptr);
 
 /// The two files of map_server: the picture (binary PGM, rows from the highest y) and what its pixels mean.
 std::string pgm_bytes(const OccupancyGrid& grid);
