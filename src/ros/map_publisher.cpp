@@ -59,6 +59,8 @@ void MapPublisher::advertise(ros::NodeHandle& node, const char* name, bool latch
 
 MapPublisher::MapPublisher(ros::NodeHandle node, const Settings& settings, std::function<void(const std::string&)> failed)
     : settings_(settings),
+      live_cloud_(settings.ros.map_leaf),
+      live_grid_(settings.params.output),
       worker_(
           1,
           [this](Order& order, bool) {
@@ -115,7 +117,8 @@ void MapPublisher::publish(const LiveMap& state, bool all) {
   send(
       map_points_, [&] { return much_has_changed(graph, map_points_); },
       [&](bool) {
-        auto cloud = std::make_shared<Cloud>(map_cloud(graph, state.T_base_lidar, settings_.ros.map_leaf));
+        live_cloud_.update(graph, state.T_base_lidar);
+        auto cloud = std::make_shared<Cloud>(live_cloud_.cloud());
         cloud->frame = graph.frame;
         if (!graph.keyframes.empty()) cloud->stamp = graph.keyframes.rbegin()->second.stamp;
         map_points_.publisher.publish(to_boost(CloudPtr(cloud)));
@@ -123,7 +126,8 @@ void MapPublisher::publish(const LiveMap& state, bool all) {
   send(
       floor_plan_, [&] { return much_has_changed(graph, floor_plan_); },
       [&](bool) {
-        floor_plan_.publisher.publish(to_message(make_occupancy_grid(graph, state.T_base_lidar, settings_.params.output), header_of(graph)));
+        live_grid_.update(graph, state.T_base_lidar);
+        floor_plan_.publisher.publish(to_message(live_grid_.grid(), header_of(graph)));
       });
 }
 

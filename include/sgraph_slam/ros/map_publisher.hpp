@@ -10,6 +10,8 @@
 #include <nav_msgs/Path.h>
 #include <ros/node_handle.h>
 
+#include "sgraph_slam/core/io/map_cloud.hpp"
+#include "sgraph_slam/core/io/occupancy_grid.hpp"
 #include "sgraph_slam/core/util/worker.hpp"
 #include "sgraph_slam/ros/back_end_thread.hpp"
 #include "sgraph_slam/ros/markers.hpp"
@@ -55,8 +57,10 @@ class MapPublisher {
 
   const Settings settings_;
   Topic graph_, markers_, path_, map_points_, floor_plan_;
-  MarkerChanges changes_;  // this and the next are used by the worker alone
-  int partial_ = 0;        // marker messages since the last whole one
+  LiveMapCloud live_cloud_;  // these are used by the worker alone
+  LiveOccupancyGrid live_grid_;
+  MarkerChanges changes_;
+  int partial_ = 0;  // marker messages since the last whole one
   std::mutex mutex_;
   std::optional<LiveMap> newest_;  // guarded by mutex_
   Worker<Order> worker_;

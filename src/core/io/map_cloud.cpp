@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <unordered_map>
 #include <vector>
 
@@ -9,6 +10,12 @@
 
 namespace sgraph {
 namespace {
+
+// Whether a sensor at two poses puts all that it sees at most so far apart.
+bool is_near(const Pose& a, const Pose& b, double distance) {
+  constexpr double reach = 20;  // of what is seen [m]
+  return (a.translation - b.translation).norm() + reach * 2 * (a.rotation.conjugate() * b.rotation).vec().norm() < distance;
+}
 
 bool finite(const Point& p) { return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z); }
 
@@ -20,20 +27,21 @@ class VoxelMeans {
  public:
   explicit VoxelMeans(double leaf) : leaf_(leaf) {}
 
-  void add(const Eigen::Vector3d& p, const Point& point) {
+  // `sign`: 1 to put a point in, -1 to take one out that was put in at the same place.
+  void add(const Eigen::Vector3d& p, const Point& point, int sign = 1) {
     const auto [at, is_new] = index_.try_emplace(key_of(p), voxels_.size());
     if (is_new) voxels_.push_back({at->first, point});
     Voxel& voxel = voxels_[at->second];
-    voxel.sum += p;
-    voxel.intensity += point.intensity;
-    ++voxel.count;
+    voxel.sum += sign * p;
+    voxel.intensity += sign * static_cast<double>(point.intensity);
+    voxel.count += sign;
   }
 
   [[nodiscard]] std::vector<Point> points() const {
     std::vector<Point> result;
     result.reserve(voxels_.size());
     for (const Voxel& voxel : voxels_) {
-      if (voxel.count < least_share * fullest_neighbour(voxel.key)) continue;
+      if (voxel.count <= 0 || voxel.count < least_share * fullest_neighbour(voxel.key)) continue;
       Point point = voxel.first;
       point.set_position((voxel.sum / voxel.count).cast<float>());
       point.intensity = static_cast<float>(voxel.intensity / voxel.count);
@@ -78,7 +86,50 @@ class VoxelMeans {
   std::vector<Voxel> voxels_;
 };
 
+// Calls `visit(p_map, point)` for each finite point of a keyframe's cloud, times taken out.
+template <class Visit>
+void visit_points(const Cloud& cloud, const Pose& T_map_lidar, Visit visit) {
+  const Eigen::Matrix3d rotation = T_map_lidar.matrix();
+  for (const Point& point : cloud.points) {
+    if (!finite(point)) continue;
+    Point moved = point;
+    moved.time = 0;
+    visit(Eigen::Vector3d(rotation * point.position().cast<double>() + T_map_lidar.translation), moved);
+  }
+}
+
 }  // namespace
+
+class LiveMapCloud::Implementation : public VoxelMeans {
+ public:
+  using VoxelMeans::VoxelMeans;
+  std::map<KeyframeId, Pose> poses;
+};
+
+LiveMapCloud::LiveMapCloud(double leaf) : leaf_(leaf), voxels_(std::make_unique<Implementation>(leaf)) {}
+LiveMapCloud::~LiveMapCloud() = default;
+
+void LiveMapCloud::update(const GraphSnapshot& snapshot, const Pose& T_base_lidar) {
+  const auto is_gone = [&snapshot](const auto& known) { return snapshot.keyframes.count(known.first) == 0; };
+  if (std::any_of(voxels_->poses.begin(), voxels_->poses.end(), is_gone)) voxels_ = std::make_unique<Implementation>(leaf_);  // another map
+  for (const auto& [id, keyframe] : snapshot.keyframes) {
+    const Pose now = keyframe.T_map_base * T_base_lidar;
+    const auto before = voxels_->poses.find(id);
+    if (before != voxels_->poses.end() && is_near(before->second, now, 0.5 * leaf_)) continue;
+    const CloudPtr cloud = keyframe.cloud.get();
+    if (!cloud) continue;
+    if (before != voxels_->poses.end())
+      visit_points(*cloud, before->second, [this](const Eigen::Vector3d& p, const Point& point) { voxels_->add(p, point, -1); });
+    visit_points(*cloud, now, [this](const Eigen::Vector3d& p, const Point& point) { voxels_->add(p, point); });
+    voxels_->poses[id] = now;
+  }
+}
+
+Cloud LiveMapCloud::cloud() const {
+  Cloud map;
+  map.points = voxels_->points();
+  return map;
+}
 
 Cloud map_cloud(const GraphSnapshot& snapshot, const Pose& T_base_lidar, double leaf, const SeenThrough* gone) {
   Cloud map;
@@ -87,22 +138,16 @@ Cloud map_cloud(const GraphSnapshot& snapshot, const Pose& T_base_lidar, double 
   for (const auto& [id, keyframe] : snapshot.keyframes) {
     const CloudPtr cloud = keyframe.cloud.get();
     if (!cloud) continue;
-    const Pose T_map_lidar = keyframe.T_map_base * T_base_lidar;
     map.stamp = keyframe.stamp;
-    const Eigen::Matrix3d rotation = T_map_lidar.matrix();
-    for (const Point& point : cloud->points) {
-      if (!finite(point)) continue;
-      const Eigen::Vector3d p = rotation * point.position().cast<double>() + T_map_lidar.translation;
-      if (gone != nullptr && (*gone)(p)) continue;
-      Point moved = point;
-      moved.time = 0;
+    visit_points(*cloud, keyframe.T_map_base * T_base_lidar, [&](const Eigen::Vector3d& p, Point& point) {
+      if (gone != nullptr && (*gone)(p)) return;
       if (leaf > 0) {
-        voxels.add(p, moved);
+        voxels.add(p, point);
       } else {
-        moved.set_position(p.cast<float>());
-        map.points.push_back(moved);
+        point.set_position(p.cast<float>());
+        map.points.push_back(point);
       }
-    }
+    });
   }
   if (leaf > 0) map.points = voxels.points();
   return map;

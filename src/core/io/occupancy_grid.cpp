@@ -5,6 +5,7 @@
 #include <cmath>
 #include <iomanip>
 #include <limits>
+#include <map>
 #include <sstream>
 
 #include "sgraph_slam/core/io/map_cloud.hpp"
@@ -69,35 +70,63 @@ void coarsen(Sweep& sweep) {
   }
 }
 
+// Odds of the cells of a raster that grows as it must.
 class Carver {
  public:
-  Carver(OccupancyGrid& grid, const Cell& first) : grid_(grid), first_(first), odds_(grid.cells.size(), 0), mark_(grid.cells.size(), 0) {}
+  // Makes room for cells, with `margin` cells around them when it must grow.
+  void hold(const Eigen::AlignedBox2i& cells, int margin) {
+    if (cells.isEmpty() || bounds_.contains(cells)) return;
+    Carver grown;
+    grown.bounds_ = bounds_.merged(Eigen::AlignedBox2i(cells.min().array() - margin, cells.max().array() + margin));
+    grown.odds_.assign(static_cast<std::size_t>(grown.width()) * static_cast<std::size_t>(grown.height()), 0);
+    grown.mark_.assign(grown.odds_.size(), 0);
+    if (!bounds_.isEmpty()) {
+      for (int y = bounds_.min().y(); y <= bounds_.max().y(); ++y) {
+        const auto row = odds_.begin() + static_cast<std::ptrdiff_t>(index({bounds_.min().x(), y}));
+        std::copy(row, row + width(), grown.odds_.begin() + static_cast<std::ptrdiff_t>(grown.index({bounds_.min().x(), y})));
+      }
+    }
+    *this = std::move(grown);
+  }
 
-  void add(const Sweep& sweep) {
+  // What a keyframe says, or, with `sign` -1, no longer says. Its cells are held already.
+  void add(const Sweep& sweep, int sign = 1) {
     mark_hit_ += 2;
     mark_passed_ = mark_hit_ + 1;
     for (const Cell& cell : sweep.hits) {
       mark_[index(cell)] = mark_hit_;
-      odds_[index(cell)] += static_cast<float>(hit_odds);
+      odds_[index(cell)] += static_cast<float>(sign * hit_odds);
     }
-    for (const Cell& cell : sweep.hits) carve(sweep.origin, cell);
-    for (const Cell& cell : sweep.passes) carve(sweep.origin, cell);
+    for (const Cell& cell : sweep.hits) carve(sweep.origin, cell, sign);
+    for (const Cell& cell : sweep.passes) carve(sweep.origin, cell, sign);
   }
 
-  void finish() {
+  // The cells in words; odds smaller than `nothing` are what rounding left of nothing.
+  [[nodiscard]] OccupancyGrid grid(double resolution, float nothing) const {
+    OccupancyGrid grid;
+    grid.resolution = resolution;
+    if (bounds_.isEmpty()) return grid;
+    grid.origin = resolution * bounds_.min().cast<double>();
+    grid.width = width();
+    grid.height = height();
+    grid.cells.assign(odds_.size(), OccupancyGrid::unknown);
     for (std::size_t i = 0; i < odds_.size(); ++i) {
-      if (odds_[i] != 0) grid_.cells[i] = odds_[i] > 0 ? OccupancyGrid::occupied : OccupancyGrid::free;
+      if (std::abs(odds_[i]) > nothing) grid.cells[i] = odds_[i] > 0 ? OccupancyGrid::occupied : OccupancyGrid::free;
     }
+    return grid;
   }
 
  private:
+  [[nodiscard]] int width() const { return bounds_.sizes().x() + 1; }
+  [[nodiscard]] int height() const { return bounds_.sizes().y() + 1; }
   [[nodiscard]] std::size_t index(const Cell& cell) const {
-    return static_cast<std::size_t>(cell.y() - first_.y()) * static_cast<std::size_t>(grid_.width) + static_cast<std::size_t>(cell.x() - first_.x());
+    return static_cast<std::size_t>(cell.y() - bounds_.min().y()) * static_cast<std::size_t>(width()) +
+           static_cast<std::size_t>(cell.x() - bounds_.min().x());
   }
 
   // Walks the cells from the origin to the end cell; an obstacle that this keyframe saw on the way ends the view (the points of a keyframe come
   // from scans taken at slightly different places, and must not see round corners).
-  void carve(const Eigen::Vector2d& from, const Cell& end) {
+  void carve(const Eigen::Vector2d& from, const Cell& end, int sign) {
     const Eigen::Vector2d way = end.cast<double>() + Eigen::Vector2d(0.5, 0.5) - from;
     Cell cell = from.array().floor().cast<int>();
     const Cell step(way.x() < 0 ? -1 : 1, way.y() < 0 ? -1 : 1);
@@ -113,7 +142,7 @@ class Carver {
       if (mark == mark_hit_) return;
       if (mark != mark_passed_) {
         mark = mark_passed_;
-        odds_[index(cell)] += static_cast<float>(miss_odds);
+        odds_[index(cell)] += static_cast<float>(sign * miss_odds);
       }
       const int k = next.x() < next.y() ? 0 : 1;
       if (cell == end || next[k] > 1) return;
@@ -122,22 +151,25 @@ class Carver {
     }
   }
 
-  OccupancyGrid& grid_;
-  Cell first_;
+  Eigen::AlignedBox2i bounds_;  // first and last cell
   std::vector<float> odds_;
   std::vector<std::int32_t> mark_;
   std::int32_t mark_hit_ = 0;
   std::int32_t mark_passed_ = 1;
 };
 
+Eigen::AlignedBox2i bounds_of(const Sweep& sweep) {
+  Eigen::AlignedBox2i bounds;
+  bounds.extend(Cell(sweep.origin.array().floor().cast<int>()));
+  for (const auto* cells : {&sweep.hits, &sweep.passes}) {
+    for (const Cell& cell : *cells) bounds.extend(cell);
+  }
+  return bounds;
+}
+
 Eigen::AlignedBox2i bounds_of(const std::vector<Sweep>& sweeps) {
   Eigen::AlignedBox2i bounds;
-  for (const Sweep& sweep : sweeps) {
-    bounds.extend(Cell(sweep.origin.array().floor().cast<int>()));
-    for (const auto* cells : {&sweep.hits, &sweep.passes}) {
-      for (const Cell& cell : *cells) bounds.extend(cell);
-    }
-  }
+  for (const Sweep& sweep : sweeps) bounds.extend(bounds_of(sweep));
   return bounds;
 }
 
@@ -158,24 +190,65 @@ OccupancyGrid make_occupancy_grid(const GraphSnapshot& snapshot, const Pose& T_b
     const CloudPtr cloud = keyframe.cloud.get();
     if (floor && cloud) sweeps.push_back(sweep_of(keyframe, *cloud, T_base_lidar, *floor, params, gone));
   }
-  OccupancyGrid grid;
-  grid.resolution = params.grid_resolution;
-  if (sweeps.empty()) return grid;
+  double resolution = params.grid_resolution;
   while (area(bounds_of(sweeps)) > max_cells) {
     for (Sweep& sweep : sweeps) coarsen(sweep);
-    grid.resolution *= 2;
+    resolution *= 2;
   }
-  const Eigen::AlignedBox2i bounds = bounds_of(sweeps);
-  const Cell first = bounds.min() - Cell(1, 1);  // with a margin of one cell
-  grid.origin = grid.resolution * first.cast<double>();
-  grid.width = bounds.sizes().x() + 3;
-  grid.height = bounds.sizes().y() + 3;
-  grid.cells.assign(static_cast<std::size_t>(grid.width) * static_cast<std::size_t>(grid.height), OccupancyGrid::unknown);
-  Carver carver(grid, first);
+  Carver carver;
+  carver.hold(bounds_of(sweeps), 1);
   for (const Sweep& sweep : sweeps) carver.add(sweep);
-  carver.finish();
-  return grid;
+  return carver.grid(resolution, 0);
 }
+
+class LiveOccupancyGrid::Implementation {
+ public:
+  explicit Implementation(const OutputParams& params) : params_(params) {}
+
+  void update(const GraphSnapshot& snapshot, const Pose& T_base_lidar) {
+    const auto is_gone = [&snapshot](const auto& known) { return snapshot.keyframes.count(known.first) == 0; };
+    if (std::any_of(known_.begin(), known_.end(), is_gone)) {  // another map
+      known_.clear();
+      carver_ = {};
+    }
+    for (const auto& [id, keyframe] : snapshot.keyframes) {
+      const auto before = known_.find(id);
+      if (before != known_.end() && is_near(before->second.keyframe.T_map_base, keyframe.T_map_base)) continue;
+      const CloudPtr cloud = keyframe.cloud.get();
+      const auto floor = floor_below(snapshot, keyframe, T_base_lidar);
+      if (!cloud || !floor) continue;
+      if (before != known_.end()) carver_.add(sweep_of(before->second.keyframe, *cloud, T_base_lidar, before->second.floor, params_, nullptr), -1);
+      const Sweep sweep = sweep_of(keyframe, *cloud, T_base_lidar, *floor, params_, nullptr);
+      if (area(bounds_of(sweep)) > most_live) continue;  // a reflection kilometres away
+      carver_.hold(bounds_of(sweep), static_cast<int>(10 / params_.grid_resolution));
+      carver_.add(sweep);
+      known_[id] = {keyframe, *floor};
+    }
+  }
+
+  [[nodiscard]] OccupancyGrid grid() const { return carver_.grid(params_.grid_resolution, 1e-3F); }
+
+ private:
+  struct Known {
+    SceneKeyframe keyframe;  // as it was when it was added
+    Plane floor;
+  };
+  static constexpr std::int64_t most_live = 25'000'000;
+
+  [[nodiscard]] bool is_near(const Pose& a, const Pose& b) const {
+    constexpr double reach = 20;  // of what is seen [m]
+    return (a.translation - b.translation).norm() + reach * 2 * (a.rotation.conjugate() * b.rotation).vec().norm() < params_.grid_resolution;
+  }
+
+  OutputParams params_;
+  Carver carver_;
+  std::map<KeyframeId, Known> known_;
+};
+
+LiveOccupancyGrid::LiveOccupancyGrid(const OutputParams& params) : implementation_(std::make_unique<Implementation>(params)) {}
+LiveOccupancyGrid::~LiveOccupancyGrid() = default;
+void LiveOccupancyGrid::update(const GraphSnapshot& snapshot, const Pose& T_base_lidar) { implementation_->update(snapshot, T_base_lidar); }
+OccupancyGrid LiveOccupancyGrid::grid() const { return implementation_->grid(); }
 
 std::string pgm_bytes(const OccupancyGrid& grid) {
   std::string bytes = "P5\n" + std::to_string(grid.width) + ' ' + std::to_string(grid.height) + "\n255\n";

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <memory>
 #include <optional>
 #include <string>
 
@@ -12,6 +13,25 @@ namespace sgraph {
 /// beside a surface that hold only its outer noise are left out, as are points that are not finite, and those of what is gone when `gone` is given.
 /// Times are 0.
 Cloud map_cloud(const GraphSnapshot& snapshot, const Pose& T_base_lidar, double leaf, const SeenThrough* gone = nullptr);
+
+/// The same cloud kept up while the map grows: only keyframes that are new, or have moved by half a leaf, are read.
+class LiveMapCloud {
+ public:
+  /// `leaf` > 0 [m].
+  explicit LiveMapCloud(double leaf);
+  ~LiveMapCloud();
+
+  /// Brings it up to a state of the map. A state that lacks a keyframe begins another map.
+  void update(const GraphSnapshot& snapshot, const Pose& T_base_lidar);
+
+  /// Without stamp and frame.
+  [[nodiscard]] Cloud cloud() const;
+
+ private:
+  class Implementation;
+  double leaf_;
+  std::unique_ptr<Implementation> voxels_;
+};
 
 /// A cloud as the bytes of a binary PCD file (x y z intensity, float32).
 std::string pcd_bytes(const Cloud& cloud);

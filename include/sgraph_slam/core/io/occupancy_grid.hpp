@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -32,6 +33,23 @@ struct OccupancyGrid {
 /// to hold the LiDAR itself. A cell that one keyframe hits and others see through is decided by their odds; what is `gone` is no obstacle.
 OccupancyGrid make_occupancy_grid(const GraphSnapshot& snapshot, const Pose& T_base_lidar, const OutputParams& params,
                                   const SeenThrough* gone = nullptr);
+
+/// The same grid kept up while the map grows: only keyframes that are new, or have moved by a cell, are read. Rays of tens of kilometres are left out
+/// instead of making the cells larger.
+class LiveOccupancyGrid {
+ public:
+  explicit LiveOccupancyGrid(const OutputParams& params);
+  ~LiveOccupancyGrid();
+
+  /// Brings it up to a state of the map. A state that lacks a keyframe begins another map.
+  void update(const GraphSnapshot& snapshot, const Pose& T_base_lidar);
+
+  [[nodiscard]] OccupancyGrid grid() const;
+
+ private:
+  class Implementation;
+  std::unique_ptr<Implementation> implementation_;
+};
 
 /// The two files of map_server: the picture (binary PGM, rows from the highest y) and what its pixels mean.
 std::string pgm_bytes(const OccupancyGrid& grid);
