@@ -19,8 +19,9 @@ constexpr std::size_t point_bytes = 22;      // x y z intensity time as floats, 
 constexpr std::size_t viewpoint_bytes = 32;  // time, position
 
 template <class T>
-void append(std::string& bytes, const T& value) {
-  bytes.append(reinterpret_cast<const char*>(&value), sizeof value);
+void put_in(char*& at, const T& value) {
+  std::memcpy(at, &value, sizeof value);
+  at += sizeof value;
 }
 
 template <class T>
@@ -32,18 +33,18 @@ T take(const char*& at) {
 }
 
 std::string packed(const Cloud& cloud) {
-  std::string bytes;
-  bytes.reserve(32 + cloud.frame.size() + point_bytes * cloud.size() + viewpoint_bytes * cloud.viewpoints.size());
-  append(bytes, cloud.stamp.nanoseconds);
-  append(bytes, std::uint64_t{cloud.frame.size()});
-  append(bytes, std::uint64_t{cloud.points.size()});
-  append(bytes, std::uint64_t{cloud.viewpoints.size()});
-  bytes += cloud.frame;
+  std::string bytes(32 + cloud.frame.size() + point_bytes * cloud.size() + viewpoint_bytes * cloud.viewpoints.size(), '\0');
+  char* at = bytes.data();
+  put_in(at, std::int64_t{cloud.stamp.nanoseconds});
+  put_in(at, std::uint64_t{cloud.frame.size()});
+  put_in(at, std::uint64_t{cloud.points.size()});
+  put_in(at, std::uint64_t{cloud.viewpoints.size()});
+  at = std::copy(cloud.frame.begin(), cloud.frame.end(), at);
   for (const Point& p : cloud.points) {
-    append(bytes, std::array<float, 5>{p.x, p.y, p.z, p.intensity, p.time});
-    append(bytes, p.ring);
+    put_in(at, std::array<float, 5>{p.x, p.y, p.z, p.intensity, p.time});
+    put_in(at, p.ring);
   }
-  for (const Viewpoint& v : cloud.viewpoints) append(bytes, std::array<double, 4>{v.time, v.position.x(), v.position.y(), v.position.z()});
+  for (const Viewpoint& v : cloud.viewpoints) put_in(at, std::array<double, 4>{v.time, v.position.x(), v.position.y(), v.position.z()});
   return bytes;
 }
 
