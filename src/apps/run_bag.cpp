@@ -13,6 +13,7 @@
 #include "sgraph_slam/core/params/params_io.hpp"
 #include "sgraph_slam/core/pipeline/pipeline.hpp"
 #include "sgraph_slam/core/pipeline/run_folder.hpp"
+#include "sgraph_slam/core/store/map_recording.hpp"
 #include "sgraph_slam/core/util/progress.hpp"
 #include "sgraph_slam/core/util/resources.hpp"
 #include "sgraph_slam/core/util/stopwatch.hpp"
@@ -34,6 +35,7 @@ struct Options {
   std::string base_to_lidar;
   std::string odom_topic;
   std::string until = "mapping";
+  std::string store;
   double duration = 0;
   int threads = 0;
   bool quiet = false;
@@ -53,6 +55,7 @@ void declare(CLI::App& app, Options& options) {
   app.add_option("--until", options.until, "Last stage to run")
       ->capture_default_str()
       ->check(CLI::IsMember({"prefilter", "odometry", "segmentation", "mapping"}));
+  app.add_option("--store", options.store, "Map file to write (OUT/map.sgmap)");
   app.add_option("--start", options.bag.start, "Seconds to leave out at the beginning")->check(CLI::NonNegativeNumber);
   app.add_option("--duration", options.duration, "Seconds to read")->check(CLI::PositiveNumber);
   app.add_option("--threads", options.threads, "Most threads to use; 0: all")->check(CLI::NonNegativeNumber);
@@ -125,6 +128,15 @@ void refuse_if_nothing_was_mapped(const Pipeline& pipeline, const RunInfo& info)
   throw std::runtime_error("not one scan could be used (" + (reasons.empty() ? "none was read" : reasons) + ")");
 }
 
+StoredSession session_of(const Options& options, const Settings& settings, const BagSource& source) {
+  StoredSession session;
+  for (const std::string& bag : options.bag.bags) session.source += (session.source.empty() ? "" : " ") + bag;
+  session.T_base_lidar = source.T_base_lidar();
+  Params params = settings.params;
+  session.parameters = to_yaml([&params](ParamVisitor& v) { params.describe(v); });
+  return session;
+}
+
 void run(const Options& options) {
   const Settings settings = read_settings(options);
   BagSource source(bag_options(options, settings));
@@ -132,12 +144,27 @@ void run(const Options& options) {
   Pipeline pipeline(settings.params, source.T_base_lidar(), *stage_from(options.until));
   RunInfo info;
   info.sources = options.bag.bags;
+  std::optional<MapRecording> recording;
+  if (pipeline.run().until() == Stage::mapping) {
+    recording.emplace(options.store.empty() ? options.out + "/map.sgmap" : options.store, session_of(options, settings, source));
+    pipeline.observe(&recording->observer());
+  }
   map_recording(source, pipeline, options.quiet, info);
   const bool damaged = !info.stopped_by.empty() && !interrupted;
   if (damaged && pipeline.run().live_trajectory().empty()) throw std::runtime_error(info.stopped_by);
   refuse_if_nothing_was_mapped(pipeline, info);
+  std::string store_problem;
+  if (recording) {
+    pipeline.observe(nullptr);
+    try {
+      info.store = recording->finish();
+    } catch (const StoreError& error) {  // the other files are still worth writing
+      store_problem = error.what();
+    }
+  }
   const RunReport report = write_run(options.out, pipeline.run(), settings.params, info);
   if (!options.quiet) std::cout << report_table(report) << "written to " << options.out << (interrupted ? " (interrupted)" : "") << std::endl;
+  if (!store_problem.empty()) throw std::runtime_error(store_problem);
   if (damaged) throw std::runtime_error(info.stopped_by + "; what came before is in " + options.out);
 }
 

@@ -4,6 +4,7 @@
 
 #include <CLI/CLI.hpp>
 #include <iostream>
+#include <memory>
 #include <nlohmann/json.hpp>
 #include <numeric>
 #include <optional>
@@ -14,6 +15,7 @@
 #include "sgraph_slam/core/params/params_io.hpp"
 #include "sgraph_slam/core/pipeline/run_folder.hpp"
 #include "sgraph_slam/core/pipeline/variants.hpp"
+#include "sgraph_slam/core/store/map_recording.hpp"
 #include "sgraph_slam/core/sim/simulator.hpp"
 #include "sgraph_slam/core/util/progress.hpp"
 #include "sgraph_slam/core/util/resources.hpp"
@@ -129,15 +131,40 @@ void write_simulation(const Options& options, const sim::SimulatedSource& source
   write_file(options.out + "/simulation.json", json.dump(1) + '\n');
 }
 
-// A run's time is that of its stages: without the simulator's, and with all of those that it shared.
-void write(const Options& options, const VariantSet& set) {
+std::string folder_of(const Options& options, const Variant& variant) {
+  return options.variants.empty() ? options.out : options.out + '/' + variant.name;
+}
+
+// The map file of each variant, null for those that do not map.
+std::vector<std::unique_ptr<MapRecording>> record_maps(const Options& options, const Pose& T_base_lidar, VariantSet& set) {
+  std::vector<std::unique_ptr<MapRecording>> recordings;
   for (std::size_t i = 0; i < set.variants().size(); ++i) {
     const Variant& variant = set.variants()[i];
-    const std::string folder = options.variants.empty() ? options.out : options.out + '/' + variant.name;
+    recordings.emplace_back();
+    if (variant.until != Stage::mapping) continue;
+    make_folder(folder_of(options, variant));
+    StoredSession session;
+    session.source = options.world;
+    session.T_base_lidar = T_base_lidar;
+    Params params = variant.params;
+    session.parameters = to_yaml([&params](ParamVisitor& v) { params.describe(v); });
+    recordings.back() = std::make_unique<MapRecording>(folder_of(options, variant) + "/map.sgmap", std::move(session));
+    set.observe(i, &recordings.back()->observer());
+  }
+  return recordings;
+}
+
+// A run's time is that of its stages: without the simulator's, and with all of those that it shared.
+void write(const Options& options, VariantSet& set, const std::vector<std::unique_ptr<MapRecording>>& recordings) {
+  for (std::size_t i = 0; i < set.variants().size(); ++i) {
+    const Variant& variant = set.variants()[i];
+    const std::string folder = folder_of(options, variant);
     const StageTimes wall = set.runs()[i].total_cost().wall;
     RunInfo info;
     info.sources = {options.world};
     info.wall_seconds = 1e-3 * std::accumulate(wall.begin(), wall.end(), 0.0);
+    set.observe(i, nullptr);
+    if (recordings[i]) info.store = recordings[i]->finish();
     const RunReport report = write_run(folder, set.runs()[i], variant.params, info);
     if (options.quiet) continue;
     if (!options.variants.empty()) std::cout << (i > 0 ? "\n" : "") << variant.name << ": ";
@@ -156,8 +183,9 @@ void run(Options& options) {
   write_tum(source.ground_truth(), options.out + "/ground_truth.tum");
   write_file(options.out + "/truth.json", sim::truth_json(source));
   VariantSet set(std::move(variants), source.T_base_lidar());
+  const auto recordings = record_maps(options, source.T_base_lidar(), set);
   write_simulation(options, source, map_world(options.quiet, source, set));
-  write(options, set);
+  write(options, set, recordings);
 }
 
 }  // namespace

@@ -1,5 +1,6 @@
 #include "sgraph_slam/core/graph/serialization.hpp"
 
+#include <algorithm>
 #include <stdexcept>
 
 #include "json_values.hpp"
@@ -18,17 +19,19 @@ Json factors_json(const std::map<FactorId, Factor>& factors) {
   return out;
 }
 
+Json merge_json(PlaneId merged, const MergeRecord& record) {
+  Json repointed = Json::array();
+  for (const FactorId factor : record.repointed) repointed.push_back(factor.value);
+  return {{"merged", merged.value},
+          {"kept", record.kept.value},
+          {"plane", plane_json(record.plane)},
+          {"repointed", repointed},
+          {"dropped", factors_json(record.dropped)}};
+}
+
 Json merges_json(const std::map<PlaneId, MergeRecord>& merges) {
   Json out = Json::array();
-  for (const auto& [id, record] : merges) {
-    Json repointed = Json::array();
-    for (const FactorId factor : record.repointed) repointed.push_back(factor.value);
-    out.push_back({{"merged", id.value},
-                   {"kept", record.kept.value},
-                   {"plane", plane_json(record.plane)},
-                   {"repointed", repointed},
-                   {"dropped", factors_json(record.dropped)}});
-  }
+  for (const auto& [id, record] : merges) out.push_back(merge_json(id, record));
   return out;
 }
 
@@ -92,6 +95,10 @@ struct GraphReader {
 
   void read_factors(const Json& json) {
     graph.factors_ = factors_from(json);
+    index_factors();
+  }
+
+  void index_factors() {
     for (const auto& [id, factor] : graph.factors_) {
       for (const VariableId& variable : blocks(factor.data)) {
         if (!graph.contains(variable))
@@ -102,18 +109,23 @@ struct GraphReader {
     }
   }
 
+  static std::pair<PlaneId, MergeRecord> merge_from(const Json& m) {
+    MergeRecord record;
+    record.kept = {m.at("kept").get<std::int64_t>()};
+    record.plane = plane_from(m.at("plane"));
+    for (const Json& id : m.at("repointed")) record.repointed.insert({id.get<std::int64_t>()});
+    record.dropped = factors_from(m.at("dropped"));
+    return {{m.at("merged").get<std::int64_t>()}, std::move(record)};
+  }
+
   void read_merges(const Json& json) {
-    for (const Json& m : json) {
-      MergeRecord record;
-      const PlaneId merged{m.at("merged").get<std::int64_t>()};
-      record.kept = {m.at("kept").get<std::int64_t>()};
-      record.plane = plane_from(m.at("plane"));
-      for (const Json& id : m.at("repointed")) record.repointed.insert({id.get<std::int64_t>()});
-      record.dropped = factors_from(m.at("dropped"));
-      if (!valid(record.plane) || graph.planes_.count(merged) > 0) throw std::runtime_error("invalid merge of plane " + std::to_string(merged.value));
-      graph.merges_.emplace(merged, std::move(record));
-    }
+    for (const Json& m : json) graph.merges_.insert(merge_from(m));
+    check_merges();
+  }
+
+  void check_merges() const {
     for (const auto& [merged, record] : graph.merges_) {
+      if (!valid(record.plane) || graph.planes_.count(merged) > 0) throw std::runtime_error("invalid merge of plane " + std::to_string(merged.value));
       PlaneId end = merged;
       for (std::size_t steps = 0; graph.merges_.count(end) > 0 && steps <= graph.merges_.size(); ++steps) end = graph.merges_.at(end).kept;
       if (!graph.contains(end)) throw std::runtime_error("plane " + std::to_string(merged.value) + " was merged into one that isn't there");
@@ -126,15 +138,47 @@ struct GraphReader {
   }
 
   void read_counters(const Json& json) {
-    const auto counter = [&json](const char* name, std::int64_t least) { return std::max(least, json.value(name, std::int64_t{0})); };
-    graph.next_plane_ = counter("plane", std::max(beyond(graph.planes_), beyond(graph.merges_)));
-    graph.next_room_ = counter("room", beyond(graph.rooms_));
-    graph.next_corridor_ = counter("corridor", beyond(graph.corridors_));
-    graph.next_factor_ = counter("factor", beyond(graph.factors_));
+    const auto counter = [&json](const char* name) { return json.value(name, std::int64_t{0}); };
+    set_counters({counter("plane"), counter("room"), counter("corridor"), counter("factor")});
+  }
+
+  void set_counters(const std::array<std::int64_t, 4>& next) {
+    graph.next_plane_ = std::max({next[0], beyond(graph.planes_), beyond(graph.merges_)});
+    graph.next_room_ = std::max(next[1], beyond(graph.rooms_));
+    graph.next_corridor_ = std::max(next[2], beyond(graph.corridors_));
+    graph.next_factor_ = std::max(next[3], beyond(graph.factors_));
+  }
+
+  static std::array<std::int64_t, 4> next_ids(const Graph& graph) {
+    return {graph.next_plane_, graph.next_room_, graph.next_corridor_, graph.next_factor_};
   }
 
   static Json counters(const Graph& graph) {
     return {{"plane", graph.next_plane_}, {"room", graph.next_room_}, {"corridor", graph.next_corridor_}, {"factor", graph.next_factor_}};
+  }
+
+  template <class Key, class Value>
+  static void check_values(const std::map<Key, Value>& values, const char* what) {
+    for (const auto& [id, value] : values) {
+      if (!id.valid() || !valid(value)) throw std::runtime_error(std::string("invalid ") + what + " " + std::to_string(id.value));
+    }
+  }
+
+  void take(GraphParts& parts) {
+    check_values(parts.keyframes, "keyframe");
+    check_values(parts.planes, "plane");
+    check_values(parts.rooms, "room");
+    check_values(parts.corridors, "corridor");
+    check_values(parts.factors, "factor");
+    graph.keyframes_ = std::move(parts.keyframes);
+    graph.planes_ = std::move(parts.planes);
+    graph.rooms_ = std::move(parts.rooms);
+    graph.corridors_ = std::move(parts.corridors);
+    graph.factors_ = std::move(parts.factors);
+    graph.merges_ = std::move(parts.merges);
+    index_factors();
+    check_merges();
+    set_counters(parts.next);
   }
 };
 
@@ -177,6 +221,39 @@ Graph graph_from_json(const std::string& text) {
     reader.read_factors(json.at("factors"));
     reader.read_merges(json.value("merges", Json::array()));
     reader.read_counters(json.value("next", Json::object()));
+    return std::move(reader.graph);
+  } catch (const std::exception& error) {
+    throw std::runtime_error(std::string("graph: ") + error.what());
+  }
+}
+
+std::string factor_to_json(FactorId id, const Factor& factor) { return factor_json(id, factor).dump(); }
+
+std::string merge_to_json(PlaneId merged, const MergeRecord& record) { return merge_json(merged, record).dump(); }
+
+std::pair<FactorId, Factor> factor_from_json(const std::string& text) {
+  try {
+    const Json json = Json::parse(text);
+    return {{json.at("id").get<std::int64_t>()}, factor_from(json)};
+  } catch (const std::exception& error) {
+    throw std::runtime_error(std::string("graph: ") + error.what());
+  }
+}
+
+std::pair<PlaneId, MergeRecord> merge_from_json(const std::string& text) {
+  try {
+    return GraphReader::merge_from(Json::parse(text));
+  } catch (const std::exception& error) {
+    throw std::runtime_error(std::string("graph: ") + error.what());
+  }
+}
+
+std::array<std::int64_t, 4> next_ids(const Graph& graph) { return GraphReader::next_ids(graph); }
+
+Graph graph_from_parts(GraphParts parts) {
+  try {
+    GraphReader reader;
+    reader.take(parts);
     return std::move(reader.graph);
   } catch (const std::exception& error) {
     throw std::runtime_error(std::string("graph: ") + error.what());

@@ -40,13 +40,13 @@ class BackEnd::Implementation {
       input = Input{without_cloud(keyframe), kept(keyframe), segments, true};
       work_on(*input);
     });
-    if (failure.empty()) return snapshot_;
+    if (failure.empty()) return shown(&keyframe);
     restore();
     if (input) {
       report(keyframe.id, failure, "kept without its planes: it still joins those before and after it");
       input->planes = false;
       failure = failure_of([&] { work_on(*input); });
-      if (failure.empty()) return snapshot_;
+      if (failure.empty()) return shown(&keyframe);
       restore();
     }
     report(keyframe.id, failure, "left out");
@@ -66,9 +66,10 @@ class BackEnd::Implementation {
       publish(true);  // the last good state, whole: what can be saved
     }
     checkpoint();
-    return snapshot_;
+    return shown(nullptr);
   }
 
+  void observe(MapObserver* observer) { observer_ = observer; }
   [[nodiscard]] GraphSnapshotPtr snapshot() const { return snapshot_; }
   [[nodiscard]] const DecisionLog& decisions() const { return state_.log; }
   [[nodiscard]] const std::vector<std::string>& failures() const { return failures_; }
@@ -81,6 +82,11 @@ class BackEnd::Implementation {
     PlaneSegments segments;
     bool planes;  // false: the motion alone
   };
+
+  GraphSnapshotPtr shown(const Keyframe* added) const {
+    if (observer_ != nullptr) observer_->changed({state_.graph, state_.planes.map, state_.log, *snapshot_, added});
+    return snapshot_;
+  }
 
   static Keyframe without_cloud(Keyframe keyframe) {
     keyframe.cloud.reset();
@@ -295,6 +301,7 @@ class BackEnd::Implementation {
   }
 
   MapState state_;
+  MapObserver* observer_ = nullptr;
   Committer committer_{state_.graph, state_.log};
   GraphSnapshotPtr snapshot_;
   SolveSummary summary_;
@@ -309,6 +316,7 @@ BackEnd::BackEnd(const MappingParams& params, const Pose& T_base_lidar, std::sha
     : implementation_(std::make_unique<Implementation>(params, T_base_lidar, std::move(clouds))) {}
 BackEnd::~BackEnd() = default;
 
+void BackEnd::observe(MapObserver* observer) { implementation_->observe(observer); }
 GraphSnapshotPtr BackEnd::process(const Keyframe& keyframe, const PlaneSegments& segments) { return implementation_->process(keyframe, segments); }
 GraphSnapshotPtr BackEnd::optimize() { return implementation_->optimize(); }
 GraphSnapshotPtr BackEnd::snapshot() const { return implementation_->snapshot(); }

@@ -100,7 +100,7 @@ std::string report_json(const RunReport& report) {
   for (const StageFigures& figures : report.stages_cpu) stages_cpu[to_string(figures.stage)] = to_json(figures);
   Json solves = Json::array();
   for (const SolveSummary& solve : report.solves) solves.push_back(to_json(solve));
-  const Json json = {{"sources", report.info.sources},
+  Json json = {{"sources", report.info.sources},
                      {"stopped_by", report.info.stopped_by},
                      {"counts",
                       {{"scans", report.scans},
@@ -122,6 +122,10 @@ std::string report_json(const RunReport& report) {
                      {"stages_cpu_ms", stages_cpu},
                      {"finish_ms", finish},
                      {"solves", solves}};
+  if (report.info.store) {
+    const RecordingFigures& store = *report.info.store;
+    json["store"] = {{"path", store.path}, {"bytes", store.bytes}, {"cpu_seconds", store.cpu_seconds}};
+  }
   return json.dump(1) + '\n';
 }
 

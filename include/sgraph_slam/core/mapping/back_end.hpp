@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "sgraph_slam/core/mapping/map_observer.hpp"
 #include "sgraph_slam/core/mapping/params.hpp"
 #include "sgraph_slam/core/types/decision.hpp"
 #include "sgraph_slam/core/types/odometry.hpp"
@@ -20,6 +21,9 @@ class BackEnd {
   /// memory.
   BackEnd(const MappingParams& params, const Pose& T_base_lidar, std::shared_ptr<KeyframeClouds> clouds = nullptr);
   ~BackEnd();
+
+  /// Shows the map to the observer after each keyframe and each optimisation, until another is given or null. It must outlive its use.
+  void observe(MapObserver* observer);
 
   /// Takes a keyframe and the planes seen in its cloud (same stamp), in order. Solves when the data asks for it. Returns the newest state. Throws
   /// nothing that a step throws: see failures().

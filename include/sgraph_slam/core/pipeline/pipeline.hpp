@@ -13,6 +13,9 @@ class Pipeline {
   Pipeline(const Params& params, const Pose& T_base_lidar, Stage until = Stage::mapping)
       : front_end_(params, T_base_lidar, until), segmenter_(params.segmentation), run_(params.mapping, T_base_lidar, until) {}
 
+  /// Shows the map to an observer as it grows (see BackEnd).
+  void observe(MapObserver* observer) { run_.observe(observer); }
+
   void add(const OdometrySample& sample) { front_end_.add(sample); }
   void add(const ImuSample& sample) { front_end_.add(sample); }
 

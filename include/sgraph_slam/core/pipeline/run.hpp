@@ -14,6 +14,9 @@ class Run {
   /// Maps only when `until` is the mapping.
   Run(const MappingParams& params, const Pose& T_base_lidar, Stage until);
 
+  /// Shows the map to an observer as it grows (see BackEnd).
+  void observe(MapObserver* observer) { back_end_.observe(observer); }
+
   /// Takes what was made of the next scan. The record stays valid until the next call.
   const ScanRecord& take(const MeasuredScan& scan);
   /// Takes what was left at the recording's end and optimises once more.

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "sgraph_slam/core/pipeline/run.hpp"
+#include "sgraph_slam/core/store/map_recording.hpp"
 
 namespace sgraph {
 
@@ -16,6 +17,7 @@ struct RunInfo {
   std::optional<double> cpu_seconds;          ///< of all that the run took; nothing: the stages' own
   std::map<std::string, int> dropped_before;  ///< scans that never reached the pipeline, by reason
   std::string stopped_by;                     ///< why the run ended early; empty when it didn't
+  std::optional<RecordingFigures> store;      ///< the map file, where one was written
 };
 
 /// Time that a stage took, over the scans in which it ran.

@@ -33,6 +33,9 @@ class VariantSet {
   /// Throws std::runtime_error when two have the same name, and what the stages' constructors throw at bad parameters.
   VariantSet(std::vector<Variant> variants, const Pose& T_base_lidar);
 
+  /// Shows the map of one variant to an observer as it grows (see BackEnd).
+  void observe(std::size_t variant, MapObserver* observer) { runs_.at(variant).observe(observer); }
+
   void add(const OdometrySample& sample);
   void add(const ImuSample& sample);
   void process(const Cloud& raw);

@@ -1,0 +1,55 @@
+#pragma once
+
+#include <deque>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "sgraph_slam/core/localisation/reference_map.hpp"
+
+namespace sgraph {
+
+enum class LocalisationResult {
+  found,
+  ambiguous,  ///< several places of the map look like this
+  not_found,  ///< no place of the map does, or too little has been seen yet
+};
+
+const char* to_string(LocalisationResult value);
+
+/// What is known of the robot's place in a map.
+struct Localisation {
+  LocalisationResult result = LocalisationResult::not_found;
+  Stamp stamp;              ///< of the keyframe with which it was known
+  double travelled = 0;     ///< since the search began [m]
+  double milliseconds = 0;  ///< CPU time of the longest single search
+  int hypotheses = 0;       ///< places that stand up to what was seen
+  Pose T_map_base;          ///< at the stamp, when found
+  Pose T_map_odom;          ///< when found
+  LayoutFit fit;            ///< of the best place
+  LayoutFit second;         ///< of the next; empty when there is none
+  std::string reason;       ///< in words
+};
+
+/// Finds out where a robot is in a map, from what it sees on its way; says so only when one place agrees with all that was seen, and no other does.
+class Localiser {
+ public:
+  Localiser(std::shared_ptr<const ReferenceMap> map, const Pose& T_base_lidar) : map_(std::move(map)), T_base_lidar_(T_base_lidar) {}
+
+  /// Takes the next keyframe, in order; returns what is known now. After `found` there is no need to go on.
+  const Localisation& add(LocatedKeyframe keyframe);
+
+  [[nodiscard]] const Localisation& answer() const { return answer_; }
+
+ private:
+  void judge(const PlaceSearchResult& places, const Surroundings& surroundings);
+
+  std::shared_ptr<const ReferenceMap> map_;
+  Pose T_base_lidar_;
+  std::deque<LocatedKeyframe> keyframes_;
+  std::deque<double> path_;  // at each of them
+  double searched_at_ = -1;  // path at the last search
+  Localisation answer_;
+};
+
+}  // namespace sgraph

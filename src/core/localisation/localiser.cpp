@@ -1,0 +1,117 @@
+#include "sgraph_slam/core/localisation/localiser.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <ctime>
+
+namespace sgraph {
+namespace {
+
+constexpr double longest_path = 12;      // of the way that is compared [m]: the odometry drifts little on it
+constexpr std::size_t most_keyframes = 24;
+constexpr double search_interval = 0.3;  // [m] travelled between two searches
+
+// What a place must show to be believed; lengths of wall [m].
+constexpr double least_total = 14;          // seen at all
+constexpr double least_matched = 0.72;      // share of it
+constexpr double most_contradicted = 0.10;  // share of it, beside
+constexpr double allowed = 0.8;             // a door leaf
+constexpr double least_spread = 3;          // of walls across the direction that has least of them
+constexpr double least_lead = 3;            // how much more must speak against any other place ...
+constexpr double lead_share = 0.12;         // ... and as a share of what was seen
+
+double thread_milliseconds() {
+  timespec time{};
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
+  return 1e3 * static_cast<double>(time.tv_sec) + 1e-6 * static_cast<double>(time.tv_nsec);
+}
+
+bool stands(const LayoutFit& fit) {
+  return fit.matched >= least_matched * fit.total && fit.contradicted <= most_contradicted * fit.total + allowed;
+}
+
+// Whether a place cannot be ruled out: less than this speaks against it.
+bool possible(const LayoutFit& fit, const LayoutFit& best) { return fit.cost() < best.cost() + std::max(least_lead, lead_share * best.total); }
+
+// Walls that hold the position across the direction in which it is held least [m].
+double spread_of(const Layout& layout) {
+  Eigen::Matrix2d sum = Eigen::Matrix2d::Zero();
+  for (const WallSample& s : layout.samples()) {
+    if (s.solid) sum += WallSample::spacing * s.normal * s.normal.transpose();
+  }
+  const double mean = 0.5 * sum.trace();
+  return mean - std::sqrt(std::max(0.0, mean * mean - sum.determinant()));
+}
+
+std::string text(const LayoutFit& fit) {
+  std::array<char, 160> words{};
+  std::snprintf(words.data(), words.size(), "%.1f m of wall: %.1f match, %.1f unknown, %.1f contradict", fit.total, fit.matched, fit.unknown,
+                fit.contradicted);
+  return words.data();
+}
+
+}  // namespace
+
+const char* to_string(LocalisationResult value) {
+  switch (value) {
+    case LocalisationResult::found: return "found";
+    case LocalisationResult::ambiguous: return "ambiguous";
+    case LocalisationResult::not_found: break;
+  }
+  return "not_found";
+}
+
+const Localisation& Localiser::add(LocatedKeyframe keyframe) {
+  const double step = keyframes_.empty() ? 0 : (keyframe.keyframe.T_odom_base.translation - keyframes_.back().keyframe.T_odom_base.translation).norm();
+  answer_.travelled += step;
+  answer_.stamp = keyframe.keyframe.stamp;
+  keyframes_.push_back(std::move(keyframe));
+  path_.push_back(answer_.travelled);
+  while (keyframes_.size() > most_keyframes || path_.back() - path_.front() > longest_path) {
+    keyframes_.pop_front();
+    path_.pop_front();
+  }
+  if (searched_at_ >= 0 && answer_.travelled < searched_at_ + search_interval) return answer_;
+  searched_at_ = answer_.travelled;
+  const double begin = thread_milliseconds();
+  const Surroundings surroundings = surroundings_of({keyframes_.begin(), keyframes_.end()}, T_base_lidar_);
+  judge(map_->search().find(surroundings.layout), surroundings);
+  answer_.milliseconds = std::max(answer_.milliseconds, thread_milliseconds() - begin);
+  return answer_;
+}
+
+void Localiser::judge(const PlaceSearchResult& places, const Surroundings& surroundings) {
+  answer_.fit = places.hypotheses.empty() ? LayoutFit{} : places.hypotheses.front().fit;
+  answer_.second = places.hypotheses.size() < 2 ? LayoutFit{} : places.hypotheses[1].fit;
+  answer_.hypotheses = 0;
+  if (places.hypotheses.empty()) {
+    answer_.result = LocalisationResult::not_found;
+    answer_.reason = "no place of the map looks like this";
+    return;
+  }
+  const LayoutFit& best = answer_.fit;
+  for (const PlaceHypothesis& place : places.hypotheses) answer_.hypotheses += possible(place.fit, best) ? 1 : 0;
+  if (!stands(best)) {
+    answer_.result = LocalisationResult::not_found;
+    answer_.hypotheses = 0;
+    answer_.reason = "the place that fits best contradicts what was seen: " + text(best);
+    return;
+  }
+  answer_.result = LocalisationResult::ambiguous;
+  if (answer_.hypotheses > 1 || !places.exhaustive) {
+    answer_.reason = std::to_string(answer_.hypotheses) + (places.exhaustive ? "" : " or more") + " places look alike: " + text(best);
+    return;
+  }
+  if (best.total < least_total || spread_of(surroundings.layout) < least_spread) {
+    answer_.reason = "too little has been seen: " + text(best);
+    return;
+  }
+  answer_.result = LocalisationResult::found;
+  answer_.reason = text(best);
+  answer_.T_map_odom = pose_from_place(*map_, surroundings, {keyframes_.begin(), keyframes_.end()}, T_base_lidar_, places.hypotheses.front().T_map_query);
+  answer_.T_map_base = answer_.T_map_odom * keyframes_.back().keyframe.T_odom_base;
+}
+
+}  // namespace sgraph

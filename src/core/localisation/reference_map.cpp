@@ -1,0 +1,182 @@
+#include "sgraph_slam/core/localisation/reference_map.hpp"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+
+#include "sgraph_slam/core/planes/wall.hpp"
+#include "sgraph_slam/core/util/statistics.hpp"
+
+namespace sgraph {
+namespace {
+
+constexpr double tilt = 0.2618;          // largest of a wall from the vertical, of a floor from the horizontal [rad]
+constexpr double wall_gap = 0.3;         // shorter gaps in a wall count as seen [m]
+constexpr double least_height = 0.9;     // of a wall of the map [m]: desks and sofas are lower and move
+constexpr double least_view_height = 0.6;  // of one view of a wall: from near, a LiDAR's beams show a narrow band [m]
+constexpr double least_length = 0.4;     // [m]
+constexpr std::size_t least_views = 2;   // of a wall of the map
+constexpr int map_votes = 2;
+constexpr int query_votes = 1;
+constexpr double floor_reach = 0.5;      // [m] beside what has been seen of a floor
+
+Outline moved(const Pose& T, const Outline& outline) {
+  Outline result;
+  for (const auto& p : outline) result.push_back(T * p);
+  return result;
+}
+
+Pose turn(const Eigen::Quaterniond& q) { return {q, Eigen::Vector3d::Zero()}; }
+
+// The mean upward normal of floors (and minus that of ceilings), weighed by area: what is up.
+class Up {
+ public:
+  void add(const Eigen::Vector3d& normal, double area) {
+    if (std::abs(normal.z()) > std::cos(tilt)) sum_ += (normal.z() > 0 ? area : -area) * normal;
+  }
+  [[nodiscard]] Eigen::Quaterniond level() const {
+    return sum_.norm() > 0.5 ? Eigen::Quaterniond::FromTwoVectors(sum_.normalized(), Eigen::Vector3d::UnitZ()) : Eigen::Quaterniond::Identity();
+  }
+
+ private:
+  Eigen::Vector3d sum_ = Eigen::Vector3d::Zero();
+};
+
+struct Parts {
+  std::vector<WallPiece> pieces;
+  std::vector<Sight> sights;
+};
+
+void add_pieces(const Wall& wall, std::vector<WallPiece>& pieces) {
+  for (const Interval& part : wall.support) {
+    if (part.length() >= least_length) pieces.push_back({wall.at(part.low), wall.at(part.high), wall.normal});
+  }
+}
+
+void add_sight(const Wall& view, const Eigen::Vector3d& sensor, std::vector<Sight>& sights) {
+  const Interval whole = hull(view.support);
+  if (view.distance(sensor.head<2>()) > 0) sights.push_back({sensor.head<2>(), view.at(whole.low), view.at(whole.high)});
+}
+
+Layout map_layout(const GraphSnapshot& snapshot, const Eigen::Quaterniond& level, const Pose& T_base_lidar) {
+  Parts parts;
+  for (const auto& [id, scene] : snapshot.planes) {
+    const Plane plane = turn(level) * scene.plane;
+    std::vector<Outline> views;
+    for (const SceneObservation& seen : scene.observations) {
+      const auto keyframe = snapshot.keyframes.find(seen.keyframe);
+      if (keyframe == snapshot.keyframes.end()) continue;
+      const Pose T_level_base = turn(level) * keyframe->second.T_map_base;
+      views.push_back(moved(T_level_base, seen.extent));
+      const auto view = make_wall(id, plane, {views.back()}, tilt, wall_gap);
+      if (view && view->height >= least_view_height) add_sight(*view, (T_level_base * T_base_lidar).translation, parts.sights);
+    }
+    const auto wall = make_wall(id, plane, views, tilt, wall_gap);
+    if (wall && wall->height >= least_height && views.size() >= least_views) add_pieces(*wall, parts.pieces);
+  }
+  return {std::move(parts.pieces), parts.sights, map_votes};
+}
+
+Eigen::Quaterniond map_level(const GraphSnapshot& snapshot) {
+  Up up;
+  for (const auto& [id, scene] : snapshot.planes) up.add(scene.plane.normal, outline_area(scene.extent));
+  return up.level();
+}
+
+// The floor that a keyframe's segments show below the LiDAR, as its height in the level frame at the point; the lowest large one.
+struct SeenFloor {
+  Eigen::Vector2d at;
+  double height;
+};
+
+std::vector<SeenFloor> floors_of(const LocatedKeyframe& seen, const Pose& T_level_lidar) {
+  std::vector<SeenFloor> floors;
+  for (const PlaneSegment& segment : seen.segments.segments) {
+    const Plane plane = T_level_lidar * segment.plane;
+    const Eigen::Vector3d center = T_level_lidar * segment.centroid;
+    if (plane.normal.z() < std::cos(tilt) || center.z() > T_level_lidar.translation.z()) continue;
+    floors.push_back({center.head<2>(), center.z()});
+  }
+  return floors;
+}
+
+}  // namespace
+
+ReferenceMap::ReferenceMap(const GraphSnapshot& snapshot, const Pose& T_base_lidar)
+    : level_(map_level(snapshot)), search_(map_layout(snapshot, level_, T_base_lidar)) {
+  for (const auto& [id, scene] : snapshot.planes) faces_.push_back({id, scene.plane, scene.covariance, scene.extent});
+  for (const auto& [id, keyframe] : snapshot.keyframes) keyframes_.push_back(level_ * keyframe.T_map_base.translation);
+  if (!snapshot.keyframes.empty()) first_pose_ = snapshot.keyframes.begin()->second.T_map_base;
+}
+
+double ReferenceMap::base_height(const Eigen::Vector2d& at_level) const {
+  double least = HUGE_VAL;
+  double height = 0;
+  for (const Eigen::Vector3d& p : keyframes_) {
+    const double distance = (p.head<2>() - at_level).squaredNorm();
+    if (distance >= least) continue;
+    least = distance;
+    height = p.z();
+  }
+  return height;
+}
+
+std::optional<double> ReferenceMap::floor_height(const Eigen::Vector2d& at_level, double near) const {
+  std::optional<double> best;
+  for (const Face& face : faces_) {
+    const Plane plane = turn(level_) * face.plane;
+    if (plane.normal.z() < std::cos(tilt)) continue;
+    const Eigen::Vector3d foot(at_level.x(), at_level.y(), -(plane.d + plane.normal.head<2>().dot(at_level)) / plane.normal.z());
+    if (best && std::abs(foot.z() - near) >= std::abs(*best - near)) continue;
+    const Outline spot{foot, foot + Eigen::Vector3d(0.01, 0, 0), foot + Eigen::Vector3d(0, 0.01, 0)};
+    if (outline_distance(plane, moved(turn(level_), face.outline), spot) > floor_reach) continue;
+    best = foot.z();
+  }
+  return best;
+}
+
+Surroundings surroundings_of(const std::vector<LocatedKeyframe>& keyframes, const Pose& T_base_lidar) {
+  Up up;
+  for (const LocatedKeyframe& seen : keyframes) {
+    const Pose T_odom_lidar = seen.keyframe.T_odom_base * T_base_lidar;
+    for (const PlaneSegment& segment : seen.segments.segments) up.add(T_odom_lidar.rotation * segment.plane.normal, outline_area(segment.extent));
+  }
+  const Eigen::Quaterniond level = up.level();
+  Parts parts;
+  for (const LocatedKeyframe& seen : keyframes) {
+    const Pose T_level_lidar = turn(level) * seen.keyframe.T_odom_base * T_base_lidar;
+    for (const PlaneSegment& segment : seen.segments.segments) {
+      if (segment.extent.size() < 3 || !segment.plane.normal.allFinite()) continue;
+      const auto view = make_wall({}, T_level_lidar * segment.plane, {moved(T_level_lidar, segment.extent)}, tilt, wall_gap);
+      if (!view || view->height < least_view_height) continue;
+      add_pieces(*view, parts.pieces);
+      add_sight(*view, T_level_lidar.translation, parts.sights);
+    }
+  }
+  return {Layout(std::move(parts.pieces), parts.sights, query_votes), level};
+}
+
+Pose pose_from_place(const ReferenceMap& map, const Surroundings& surroundings, const std::vector<LocatedKeyframe>& keyframes, const Pose& T_base_lidar,
+                     const Pose2d& T_map_query) {
+  std::vector<double> rises;
+  const Eigen::Matrix2d R = T_map_query.matrix();
+  for (const LocatedKeyframe& seen : keyframes) {
+    const Pose T_level_base = turn(surroundings.level) * seen.keyframe.T_odom_base;
+    const Eigen::Vector2d here = R * T_level_base.translation.head<2>() + T_map_query.translation;
+    const double by_keyframe = map.base_height(here) - T_level_base.translation.z();
+    std::size_t found = 0;
+    for (const SeenFloor& floor : floors_of(seen, T_level_base * T_base_lidar)) {
+      const auto height = map.floor_height(R * floor.at + T_map_query.translation, floor.height + by_keyframe);
+      if (!height) continue;
+      rises.push_back(*height - floor.height);
+      ++found;
+    }
+    if (found == 0) rises.push_back(by_keyframe);
+  }
+  const double rise = rises.empty() ? 0 : quantile(rises, 0.5);
+  const Pose T_level_level{Eigen::Quaterniond(Eigen::AngleAxisd(T_map_query.yaw, Eigen::Vector3d::UnitZ())),
+                           {T_map_query.translation.x(), T_map_query.translation.y(), rise}};
+  return turn(map.level().conjugate()) * T_level_level * turn(surroundings.level);
+}
+
+}  // namespace sgraph

@@ -1,0 +1,125 @@
+#include "sgraph_slam/core/store/map_recorder.hpp"
+
+#include <nlohmann/json.hpp>
+
+#include "sgraph_slam/core/graph/serialization.hpp"
+#include "sgraph_slam/core/io/graph_json.hpp"
+
+namespace sgraph {
+namespace {
+
+constexpr std::int64_t scene_interval = 5;  // keyframes between two writings of the places: they can be found again from the rest
+
+bool same(const Pose& a, const Pose& b) { return a.translation == b.translation && a.rotation.coeffs() == b.rotation.coeffs(); }
+
+bool same(const StoredPlane& a, const StoredPlane& b) {
+  return a.plane.normal == b.plane.normal && a.plane.d == b.plane.d && a.plane_class == b.plane_class && a.covariance == b.covariance &&
+         a.view_covariance == b.view_covariance && a.extent == b.extent;
+}
+
+bool same(const Plane& a, const Plane& b) { return a.normal == b.normal && a.d == b.d; }
+
+bool same(const MergeRecord& a, const MergeRecord& b) {
+  return a.kept == b.kept && same(a.plane, b.plane) && a.repointed == b.repointed && a.dropped.size() == b.dropped.size();
+}
+
+// Ids of what is known but no more.
+template <class Id, class Value, class Other>
+std::vector<Id> gone(std::map<Id, Value>& known, const std::map<Id, Other>& now) {
+  std::vector<Id> ids;
+  for (auto it = known.begin(); it != known.end();) {
+    if (now.count(it->first) > 0) {
+      ++it;
+      continue;
+    }
+    ids.push_back(it->first);
+    it = known.erase(it);
+  }
+  return ids;
+}
+
+// All of the scene but what has tables of its own.
+std::string scene_text(const GraphSnapshot& snapshot) {
+  GraphSnapshot scene = snapshot;
+  scene.keyframes.clear();
+  scene.planes.clear();
+  scene.factors_json = "[]";
+  scene.decisions.clear();
+  return graph_json(scene);
+}
+
+}  // namespace
+
+void MapRecorder::changed(const MapView& view) {
+  StoreBatch batch;
+  if (view.keyframe != nullptr) batch.keyframes.push_back(*view.keyframe);
+  note_poses(view, batch);
+  note_planes(view, batch);
+  note_factors(view, batch);
+  note_documents(view, view.keyframe == nullptr || view.keyframe->id.value % scene_interval == 0, batch);
+  for (; decisions_ < view.log.size(); ++decisions_) batch.decisions.push_back(view.log[decisions_]);
+  store_.write(std::move(batch));
+}
+
+void MapRecorder::note_poses(const MapView& view, StoreBatch& batch) {
+  for (const auto& [id, pose] : view.graph.keyframes()) {
+    const auto [known, is_new] = poses_.try_emplace(id, pose);
+    if (!is_new && same(known->second, pose)) continue;
+    known->second = pose;
+    batch.poses.emplace_back(id, pose);
+  }
+}
+
+void MapRecorder::note_planes(const MapView& view, StoreBatch& batch) {
+  for (const auto& [id, record] : view.planes.records()) {
+    const Plane* plane = view.graph.find(id);
+    if (plane == nullptr) continue;
+    const auto scene = view.snapshot.planes.find(id);
+    const Eigen::Matrix3d covariance = scene != view.snapshot.planes.end() ? scene->second.covariance : record.last_covariance;
+    StoredPlane now{id, *plane, record.plane_class, covariance, record.last_covariance, record.outline};
+    const auto [known, is_new] = planes_.try_emplace(id, now);
+    if (is_new || !same(known->second, now)) {
+      known->second = now;
+      batch.planes.push_back(std::move(now));
+    }
+    std::size_t& written = views_[id];
+    if (written == record.observations.size()) continue;
+    for (const PlaneObservation& seen : record.observations) {
+      if (viewed_.insert(seen.factor).second) batch.views.push_back({seen.factor, seen.keyframe, seen.outline_base});
+    }
+    written = record.observations.size();
+  }
+  batch.removed_planes = gone(planes_, view.graph.planes());
+  for (const PlaneId id : batch.removed_planes) views_.erase(id);
+}
+
+void MapRecorder::note_factors(const MapView& view, StoreBatch& batch) {
+  for (const auto& [id, factor] : view.graph.factors()) {
+    const auto [known, is_new] = factors_.try_emplace(id, factor);
+    if (!is_new && known->second == factor) continue;
+    known->second = factor;
+    batch.factors[id] = factor;
+  }
+  batch.removed_factors = gone(factors_, view.graph.factors());
+  for (const FactorId id : batch.removed_factors) viewed_.erase(id);
+  for (const auto& [id, record] : view.graph.merges()) {
+    const auto [known, is_new] = merges_.try_emplace(id, record);
+    if (!is_new && same(known->second, record)) continue;
+    known->second = record;
+    batch.merges[id] = record;
+  }
+  batch.removed_merges = gone(merges_, view.graph.merges());
+}
+
+void MapRecorder::note_documents(const MapView& view, bool whole, StoreBatch& batch) {
+  const auto put = [&](const std::string& name, std::string text) {
+    std::string& known = documents_[name];
+    if (known == text) return;
+    known = text;
+    batch.documents[name] = std::move(text);
+  };
+  put("next_ids", nlohmann::json(next_ids(view.graph)).dump());
+  if (whole) put("scene", scene_text(view.snapshot));
+}
+
+}  // namespace sgraph
