@@ -19,8 +19,9 @@ constexpr double least_matched = 0.72;      // share of it
 constexpr double most_contradicted = 0.10;  // share of it, beside
 constexpr double allowed = 0.8;             // a door leaf
 constexpr double least_spread = 3;          // of walls across the direction that has least of them
-constexpr double least_lead = 3;            // how much more must speak against any other place ...
-constexpr double lead_share = 0.12;         // ... and as a share of what was seen
+constexpr double least_lead = 1.6;          // how much more must speak against any other place
+constexpr int least_agreeing = 2;           // searches in a row that find the same place
+constexpr double same_place = 0.3;          // [m]
 
 double thread_milliseconds() {
   timespec time{};
@@ -33,7 +34,7 @@ bool stands(const LayoutFit& fit) {
 }
 
 // Whether a place cannot be ruled out: less than this speaks against it.
-bool possible(const LayoutFit& fit, const LayoutFit& best) { return fit.cost() < best.cost() + std::max(least_lead, lead_share * best.total); }
+bool possible(const LayoutFit& fit, const LayoutFit& best) { return fit.cost() < best.cost() + least_lead; }
 
 // Walls that hold the position across the direction in which it is held least [m].
 double spread_of(const Layout& layout) {
@@ -108,10 +109,17 @@ void Localiser::judge(const PlaceSearchResult& places, const Surroundings& surro
     answer_.reason = "too little has been seen: " + text(best);
     return;
   }
-  answer_.result = LocalisationResult::found;
-  answer_.reason = text(best);
   answer_.T_map_odom = pose_from_place(*map_, surroundings, {keyframes_.begin(), keyframes_.end()}, T_base_lidar_, places.hypotheses.front().T_map_query);
   answer_.T_map_base = answer_.T_map_odom * keyframes_.back().keyframe.T_odom_base;
+  const bool agrees = last_ && (*last_ * keyframes_.back().keyframe.T_odom_base.translation - answer_.T_map_base.translation).norm() < same_place;
+  agreeing_ = agrees ? agreeing_ + 1 : 1;
+  last_ = answer_.T_map_odom;
+  answer_.reason = text(best);
+  if (agreeing_ < least_agreeing) {
+    answer_.reason = "to be confirmed: " + answer_.reason;
+    return;
+  }
+  answer_.result = LocalisationResult::found;
 }
 
 }  // namespace sgraph

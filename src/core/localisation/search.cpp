@@ -27,6 +27,8 @@ constexpr double least_heading = 0.4;  // of the best agreement of the walls' di
 constexpr double matched_across = 0.06;  // [m] of a wall from the map's: what maps and fits are wrong by
 constexpr double beside = 0.45;          // [m] a face as far beside one of the map contradicts it
 constexpr double parallel = 0.985;       // cosine of 10 degrees
+constexpr double longer_than_door = 1.35;  // [m]
+constexpr double joined = 0.35;            // [m] between two samples of one piece
 
 int direction_of(double angle) {
   const double turns = angle / (2 * M_PI);
@@ -80,6 +82,32 @@ void add_to_histogram(const Eigen::Vector2d& normal, double length, std::vector<
     const int bin = (static_cast<int>(std::floor(degrees)) + k + 720) % 360;
     histogram[static_cast<std::size_t>(bin)] += length * (1 - std::abs(k) / 4.0);
   }
+}
+
+// Length of the samples that belong to pieces longer than a door.
+double length_of_long_pieces(const std::vector<WallSample>& samples) {
+  std::vector<std::size_t> open;
+  double length = 0;
+  std::vector<bool> taken(samples.size(), false);
+  for (std::size_t first = 0; first < samples.size(); ++first) {
+    if (taken[first]) continue;
+    open = {first};
+    taken[first] = true;
+    std::size_t count = 0;
+    while (!open.empty()) {
+      const WallSample& at = samples[open.back()];
+      open.pop_back();
+      ++count;
+      for (std::size_t i = 0; i < samples.size(); ++i) {
+        if (taken[i] || (samples[i].point - at.point).squaredNorm() > joined * joined || samples[i].normal.dot(at.normal) < parallel) continue;
+        taken[i] = true;
+        open.push_back(i);
+      }
+    }
+    const double piece_length = WallSample::spacing * static_cast<double>(count);
+    if (piece_length >= longer_than_door) length += piece_length;
+  }
+  return length;
 }
 
 }  // namespace
@@ -285,6 +313,7 @@ LayoutFit PlaceSearch::fit(const Layout& query, const Pose2d& T_map_query) const
   const Eigen::Matrix2d R = T_map_query.matrix();
   const double length = WallSample::spacing;
   double squares = 0;
+  std::vector<WallSample> against;
   double count = 0;
   for (const WallSample& s : query.samples()) {
     if (!s.solid) continue;
@@ -296,7 +325,7 @@ LayoutFit PlaceSearch::fit(const Layout& query, const Pose2d& T_map_query) const
       squares += hit->distance * hit->distance;
       ++count;
     } else if (hit || map_.is_free(p)) {
-      fit.contradicted += length;
+      against.push_back(s);
     } else {
       fit.unknown += length;
     }
@@ -309,8 +338,10 @@ LayoutFit PlaceSearch::fit(const Layout& query, const Pose2d& T_map_query) const
   for (const WallSample& s : map_.samples()) {
     if (!s.solid) continue;
     const Eigen::Vector2d p = back * s.point + T_query_map.translation;
-    if (query.is_free(p) && !seen.nearest(p, back * s.normal, 2 * matched_across, parallel)) fit.contradicted += length;
+    if (query.is_free(p) && !seen.nearest(p, back * s.normal, 2 * matched_across, parallel)) against.push_back({p, back * s.normal, true});
   }
+  fit.contradicted = length * static_cast<double>(against.size());
+  fit.long_pieces = length_of_long_pieces(against);
   return fit;
 }
 

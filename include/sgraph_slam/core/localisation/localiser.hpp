@@ -2,6 +2,7 @@
 
 #include <deque>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -49,6 +50,8 @@ class Localiser {
   std::deque<LocatedKeyframe> keyframes_;
   std::deque<double> path_;  // at each of them
   double searched_at_ = -1;  // path at the last search
+  std::optional<Pose> last_;  // T_map_odom that the last search found alone
+  int agreeing_ = 0;          // searches in a row that found it
   Localisation answer_;
 };
 

@@ -12,10 +12,11 @@ struct LayoutFit {
   double matched = 0;       ///< where the map has the same face
   double unknown = 0;       ///< where the map says nothing
   double contradicted = 0;  ///< within the map's free space, or beside a face of the map; and faces of the map in the query's free space
+  double long_pieces = 0;   ///< of the contradicted, those in one piece that is longer than a door leaf or a cupboard is wide
   double rms = 0;           ///< of the matched ones' distances across [m]
 
-  /// What speaks against it [m of wall]: an unknown wall counts half.
-  [[nodiscard]] double cost() const { return contradicted + 0.5 * unknown; }
+  /// What speaks against it [m of wall]: whole walls; short pieces may have moved, and an unknown wall may be new.
+  [[nodiscard]] double cost() const { return long_pieces + 0.25 * (contradicted - long_pieces) + 0.5 * unknown; }
 };
 
 /// Where the query may be in the map.
