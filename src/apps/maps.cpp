@@ -30,8 +30,8 @@ void show(const std::string& path) {
               static_cast<long long>(map.factors), static_cast<long long>(map.merges));
   for (const MapSummary::Session& s : map.sessions) {
     std::printf("  session %lld: %s, %.0f s, %lld keyframes, %.1f m, from %s\n", static_cast<long long>(s.session.id),
-                stamp_text(s.session.started).c_str(), s.keyframes > 0 ? s.ended - s.session.started : 0.0, static_cast<long long>(s.keyframes), s.path,
-                s.session.source.c_str());
+                stamp_text(s.session.started).c_str(), s.keyframes > 0 ? s.ended - s.session.started : 0.0, static_cast<long long>(s.keyframes),
+                s.path, s.session.source.c_str());
   }
 }
 

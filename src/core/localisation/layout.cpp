@@ -9,8 +9,8 @@
 namespace sgraph {
 namespace {
 
-constexpr int directions = 16;               // of faces that count as one
-constexpr double longest = 1e4;              // [m] of a piece; more is no building
+constexpr int directions = 16;   // of faces that count as one
+constexpr double longest = 1e4;  // [m] of a piece; more is no building
 constexpr std::int64_t most_cells = 400'000'000;
 
 int direction_of(const Eigen::Vector2d& normal) {

@@ -5,11 +5,12 @@
 #include <cmath>
 #include <cstdio>
 #include <ctime>
+#include <utility>
 
 namespace sgraph {
 namespace {
 
-constexpr double longest_path = 12;      // of the way that is compared [m]: the odometry drifts little on it
+constexpr double longest_path = 12;  // of the way that is compared [m]: the odometry drifts little on it
 constexpr std::size_t most_keyframes = 24;
 constexpr double search_interval = 0.3;  // [m] travelled between two searches
 
@@ -29,9 +30,7 @@ double thread_milliseconds() {
   return 1e3 * static_cast<double>(time.tv_sec) + 1e-6 * static_cast<double>(time.tv_nsec);
 }
 
-bool stands(const LayoutFit& fit) {
-  return fit.matched >= least_matched * fit.total && fit.contradicted <= most_contradicted * fit.total + allowed;
-}
+bool stands(const LayoutFit& fit) { return fit.matched >= least_matched * fit.total && fit.contradicted <= most_contradicted * fit.total + allowed; }
 
 // Whether a place cannot be ruled out: less than this speaks against it.
 bool possible(const LayoutFit& fit, const LayoutFit& best) { return fit.cost() < best.cost() + least_lead; }
@@ -65,7 +64,8 @@ const char* to_string(LocalisationResult value) {
 }
 
 const Localisation& Localiser::add(LocatedKeyframe keyframe) {
-  const double step = keyframes_.empty() ? 0 : (keyframe.keyframe.T_odom_base.translation - keyframes_.back().keyframe.T_odom_base.translation).norm();
+  const double step =
+      keyframes_.empty() ? 0 : (keyframe.keyframe.T_odom_base.translation - keyframes_.back().keyframe.T_odom_base.translation).norm();
   answer_.travelled += step;
   answer_.stamp = keyframe.keyframe.stamp;
   keyframes_.push_back(std::move(keyframe));
@@ -87,6 +87,7 @@ void Localiser::judge(const PlaceSearchResult& places, const Surroundings& surro
   answer_.fit = places.hypotheses.empty() ? LayoutFit{} : places.hypotheses.front().fit;
   answer_.second = places.hypotheses.size() < 2 ? LayoutFit{} : places.hypotheses[1].fit;
   answer_.hypotheses = 0;
+  const int agreeing = std::exchange(agreeing_, 0);
   if (places.hypotheses.empty()) {
     answer_.result = LocalisationResult::not_found;
     answer_.reason = "no place of the map looks like this";
@@ -109,10 +110,11 @@ void Localiser::judge(const PlaceSearchResult& places, const Surroundings& surro
     answer_.reason = "too little has been seen: " + text(best);
     return;
   }
-  answer_.T_map_odom = pose_from_place(*map_, surroundings, {keyframes_.begin(), keyframes_.end()}, T_base_lidar_, places.hypotheses.front().T_map_query);
+  answer_.T_map_odom =
+      pose_from_place(*map_, surroundings, {keyframes_.begin(), keyframes_.end()}, T_base_lidar_, places.hypotheses.front().T_map_query);
   answer_.T_map_base = answer_.T_map_odom * keyframes_.back().keyframe.T_odom_base;
   const bool agrees = last_ && (*last_ * keyframes_.back().keyframe.T_odom_base.translation - answer_.T_map_base.translation).norm() < same_place;
-  agreeing_ = agrees ? agreeing_ + 1 : 1;
+  agreeing_ = agrees ? agreeing + 1 : 1;
   last_ = answer_.T_map_odom;
   answer_.reason = text(best);
   if (agreeing_ < least_agreeing) {

@@ -10,14 +10,14 @@
 namespace sgraph {
 namespace {
 
-constexpr std::size_t window = 8;       // keyframes solved together
+constexpr std::size_t window = 8;  // keyframes solved together
 constexpr int iterations = 8;
-constexpr double near = 30;             // [m] planes further away than what a scan sees are not asked for
+constexpr double near = 30;                  // [m] planes further away than what a scan sees are not asked for
 constexpr double least_sigma_angle = 0.001;  // of a pose in the map, however many planes hold it [rad]
 constexpr double least_sigma = 0.004;        // [m]
-constexpr std::size_t judged = 6;       // keyframes that are compared with the map
-constexpr int patience = 3;             // contradictions in a row before it is believed
-constexpr double least_seen = 6;        // [m] of wall that say anything
+constexpr std::size_t judged = 6;            // keyframes that are compared with the map
+constexpr int patience = 3;                  // contradictions in a row before it is believed
+constexpr double least_seen = 6;             // [m] of wall that say anything
 
 // Ids in the small graph: 0 is the map itself.
 KeyframeId node(std::size_t i) { return {static_cast<std::int64_t>(i) + 1}; }
@@ -93,7 +93,8 @@ std::vector<MapTracker::View> MapTracker::views_of(const LocatedKeyframe& seen, 
     if (matches.empty()) continue;
     const PlaneId id = matches.front().id;
     const Eigen::Matrix3d measured = floored_covariance(segment, params_.factors.plane_floor_angle, params_.factors.plane_floor_distance);
-    views.push_back({id, PosePlane{{}, id, segment.plane, T_base_lidar_, SqrtInformation<3>::from_covariance(measured, Eigen::Vector3d::Constant(1e-6))}});
+    views.push_back(
+        {id, PosePlane{{}, id, segment.plane, T_base_lidar_, SqrtInformation<3>::from_covariance(measured, Eigen::Vector3d::Constant(1e-6))}});
     const Innovation innovation = plane_innovation(faces.at(id)->plane, T_map_base, T_base_lidar_, segment.plane);
     const Eigen::Matrix3d total = measured + innovation.d_plane * faces.at(id)->covariance * innovation.d_plane.transpose();
     information += innovation.d_keyframe.transpose() * total.inverse() * innovation.d_keyframe;
@@ -145,7 +146,8 @@ void MapTracker::judge() {
   std::vector<LocatedKeyframe> seen;
   for (std::size_t i = recent_.size() > judged ? recent_.size() - judged : 0; i < recent_.size(); ++i) seen.push_back(recent_[i].seen);
   const Surroundings surroundings = surroundings_of(seen, T_base_lidar_);
-  const Pose T_level_level = Pose{map_->level(), Eigen::Vector3d::Zero()} * T_map_odom_ * Pose{surroundings.level.conjugate(), Eigen::Vector3d::Zero()};
+  const Pose T_level_level =
+      Pose{map_->level(), Eigen::Vector3d::Zero()} * T_map_odom_ * Pose{surroundings.level.conjugate(), Eigen::Vector3d::Zero()};
   const Eigen::Matrix3d R = T_level_level.matrix();
   const LayoutFit fit = map_->search().fit(surroundings.layout, {T_level_level.translation.head<2>(), std::atan2(R(1, 0), R(0, 0))});
   const bool contradicted = fit.total >= least_seen && fit.contradicted > fit.matched;

@@ -10,15 +10,15 @@
 namespace sgraph {
 namespace {
 
-constexpr double tilt = 0.2618;          // largest of a wall from the vertical, of a floor from the horizontal [rad]
-constexpr double wall_gap = 0.3;         // shorter gaps in a wall count as seen [m]
-constexpr double least_height = 0.9;     // of a wall of the map [m]: desks and sofas are lower and move
+constexpr double tilt = 0.2618;            // largest of a wall from the vertical, of a floor from the horizontal [rad]
+constexpr double wall_gap = 0.3;           // shorter gaps in a wall count as seen [m]
+constexpr double least_height = 0.9;       // of a wall of the map [m]: desks and sofas are lower and move
 constexpr double least_view_height = 0.6;  // of one view of a wall: from near, a LiDAR's beams show a narrow band [m]
-constexpr double least_length = 0.4;     // [m]
-constexpr std::size_t least_views = 2;   // of a wall of the map
+constexpr double least_length = 0.4;       // [m]
+constexpr std::size_t least_views = 2;     // of a wall of the map
 constexpr int map_votes = 2;
 constexpr int query_votes = 1;
-constexpr double floor_reach = 0.5;      // [m] beside what has been seen of a floor
+constexpr double floor_reach = 0.5;  // [m] beside what has been seen of a floor
 
 Outline moved(const Pose& T, const Outline& outline) {
   Outline result;
@@ -156,8 +156,8 @@ Surroundings surroundings_of(const std::vector<LocatedKeyframe>& keyframes, cons
   return {Layout(std::move(parts.pieces), parts.sights, query_votes), level};
 }
 
-Pose pose_from_place(const ReferenceMap& map, const Surroundings& surroundings, const std::vector<LocatedKeyframe>& keyframes, const Pose& T_base_lidar,
-                     const Pose2d& T_map_query) {
+Pose pose_from_place(const ReferenceMap& map, const Surroundings& surroundings, const std::vector<LocatedKeyframe>& keyframes,
+                     const Pose& T_base_lidar, const Pose2d& T_map_query) {
   std::vector<double> rises;
   const Eigen::Matrix2d R = T_map_query.matrix();
   for (const LocatedKeyframe& seen : keyframes) {

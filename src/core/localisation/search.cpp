@@ -19,14 +19,14 @@ constexpr double least_share = 0.5;        // of the samples on walls, for a hyp
 constexpr double near_best = 0.7;          // hypotheses with less than this share of the best score are of no interest
 constexpr std::size_t most_hypotheses = 24;
 constexpr int most_nodes = 400'000;
-constexpr double same_place = 0.7;    // [m] of two hypotheses that are one
-constexpr double same_heading = 0.1;  // [rad]
+constexpr double same_place = 0.7;     // [m] of two hypotheses that are one
+constexpr double same_heading = 0.1;   // [rad]
 constexpr double least_heading = 0.4;  // of the best agreement of the walls' directions
 
 // In the fine comparison.
-constexpr double matched_across = 0.06;  // [m] of a wall from the map's: what maps and fits are wrong by
-constexpr double beside = 0.45;          // [m] a face as far beside one of the map contradicts it
-constexpr double parallel = 0.985;       // cosine of 10 degrees
+constexpr double matched_across = 0.06;    // [m] of a wall from the map's: what maps and fits are wrong by
+constexpr double beside = 0.45;            // [m] a face as far beside one of the map contradicts it
+constexpr double parallel = 0.985;         // cosine of 10 degrees
 constexpr double longer_than_door = 1.35;  // [m]
 constexpr double joined = 0.35;            // [m] between two samples of one piece
 

@@ -4,9 +4,9 @@
 #include <numeric>
 #include <sstream>
 
-#include "sgraph_slam/core/util/statistics.hpp"
 #include "sgraph_slam/core/pipeline/run_folder.hpp"
 #include "sgraph_slam/core/util/resources.hpp"
+#include "sgraph_slam/core/util/statistics.hpp"
 
 namespace sgraph {
 namespace {
@@ -101,27 +101,27 @@ std::string report_json(const RunReport& report) {
   Json solves = Json::array();
   for (const SolveSummary& solve : report.solves) solves.push_back(to_json(solve));
   Json json = {{"sources", report.info.sources},
-                     {"stopped_by", report.info.stopped_by},
-                     {"counts",
-                      {{"scans", report.scans},
-                       {"accepted", report.accepted},
-                       {"degenerate", report.degenerate},
-                       {"keyframes", report.keyframes},
-                       {"planes", report.planes},
-                       {"rooms", report.rooms},
-                       {"corridors", report.corridors}}},
-                     {"dropped", report.dropped},
-                     {"odometry_status", report.odometry_status},
-                     {"path_length_m", report.path_length},
-                     {"data_seconds", report.data_seconds},
-                     {"wall_seconds", report.info.wall_seconds},
-                     {"times_real_time", report.times_real_time},
-                     {"cpu_seconds", report.cpu_seconds},
-                     {"peak_memory_mib", report.peak_memory_mib},
-                     {"stages_ms", stages},
-                     {"stages_cpu_ms", stages_cpu},
-                     {"finish_ms", finish},
-                     {"solves", solves}};
+               {"stopped_by", report.info.stopped_by},
+               {"counts",
+                {{"scans", report.scans},
+                 {"accepted", report.accepted},
+                 {"degenerate", report.degenerate},
+                 {"keyframes", report.keyframes},
+                 {"planes", report.planes},
+                 {"rooms", report.rooms},
+                 {"corridors", report.corridors}}},
+               {"dropped", report.dropped},
+               {"odometry_status", report.odometry_status},
+               {"path_length_m", report.path_length},
+               {"data_seconds", report.data_seconds},
+               {"wall_seconds", report.info.wall_seconds},
+               {"times_real_time", report.times_real_time},
+               {"cpu_seconds", report.cpu_seconds},
+               {"peak_memory_mib", report.peak_memory_mib},
+               {"stages_ms", stages},
+               {"stages_cpu_ms", stages_cpu},
+               {"finish_ms", finish},
+               {"solves", solves}};
   if (report.info.store) {
     const RecordingFigures& store = *report.info.store;
     json["store"] = {{"path", store.path}, {"bytes", store.bytes}, {"cpu_seconds", store.cpu_seconds}};

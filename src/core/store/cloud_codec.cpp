@@ -10,9 +10,9 @@ namespace sgraph {
 namespace {
 
 constexpr std::uint32_t version = 1;
-constexpr double time_resolution = 1e-5;     // [s]
-constexpr double farthest = 2e6;             // [m] that the numbers hold
-constexpr double full_scale = 65535;         // of an intensity
+constexpr double time_resolution = 1e-5;  // [s]
+constexpr double farthest = 2e6;          // [m] that the numbers hold
+constexpr double full_scale = 65535;      // of an intensity
 constexpr std::uint32_t most_points = 1u << 26;
 
 std::uint32_t zigzag(std::int32_t value) { return (static_cast<std::uint32_t>(value) << 1) ^ static_cast<std::uint32_t>(value >> 31); }
@@ -57,7 +57,9 @@ float intensity_scale(const std::vector<const Point*>& points) {
   return most == 0 || (whole && most <= full_scale) ? 1.0F : static_cast<float>(full_scale) / most;
 }
 
-std::int32_t rounded(double value) { return std::isfinite(value) ? static_cast<std::int32_t>(std::lround(std::min(std::max(value, -2.1e9), 2.1e9))) : 0; }
+std::int32_t rounded(double value) {
+  return std::isfinite(value) ? static_cast<std::int32_t>(std::lround(std::min(std::max(value, -2.1e9), 2.1e9))) : 0;
+}
 
 }  // namespace
 

@@ -35,7 +35,9 @@ const char* reason(int code) {
 Database::Database(const std::string& path, Access access) : path_(path) {
   const bool there = std::filesystem::is_regular_file(path);
   if (access != Access::create && !there) throw StoreError(path + ": there is no such file");
-  const int flags = access == Access::read ? SQLITE_OPEN_READONLY : access == Access::write ? SQLITE_OPEN_READWRITE : SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE;
+  const int flags = access == Access::read    ? SQLITE_OPEN_READONLY
+                    : access == Access::write ? SQLITE_OPEN_READWRITE
+                                              : SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE;
   int code = sqlite3_open_v2(path.c_str(), &handle_, flags | SQLITE_OPEN_FULLMUTEX, nullptr);
   if (code == SQLITE_OK && access == Access::read) {
     // A file in WAL mode in a folder that cannot be written is read as it is.
@@ -44,7 +46,9 @@ Database::Database(const std::string& path, Access access) : path_(path) {
       sqlite3_close(handle_);
       handle_ = nullptr;
       std::string uri = "file:";
-      for (const char c : path) uri += c == '?' || c == '#' || c == '%' ? std::string("%") + "0123456789ABCDEF"[(c >> 4) & 15] + "0123456789ABCDEF"[c & 15] : std::string(1, c);
+      for (const char c : path)
+        uri +=
+            c == '?' || c == '#' || c == '%' ? std::string("%") + "0123456789ABCDEF"[(c >> 4) & 15] + "0123456789ABCDEF"[c & 15] : std::string(1, c);
       code = sqlite3_open_v2((uri + "?immutable=1").c_str(), &handle_, flags | SQLITE_OPEN_FULLMUTEX | SQLITE_OPEN_URI, nullptr);
     }
   }

@@ -13,9 +13,9 @@
 namespace sgraph {
 namespace {
 
-constexpr std::chrono::seconds retry{1};   // after a failure
+constexpr std::chrono::seconds retry{1};     // after a failure
 constexpr std::chrono::seconds parting{10};  // for what waits at the end
-constexpr std::size_t most_batches = 50;   // in one transaction
+constexpr std::size_t most_batches = 50;     // in one transaction
 
 double thread_cpu_seconds() {
   timespec time{};
@@ -57,9 +57,7 @@ std::string directions_bytes(const std::vector<Vector6>& directions) {
   return out.take();
 }
 
-std::string plane_bytes(const Plane& plane) {
-  return matrix_bytes(Eigen::Vector4d(plane.normal.x(), plane.normal.y(), plane.normal.z(), plane.d));
-}
+std::string plane_bytes(const Plane& plane) { return matrix_bytes(Eigen::Vector4d(plane.normal.x(), plane.normal.y(), plane.normal.z(), plane.d)); }
 
 }  // namespace
 
@@ -71,13 +69,15 @@ bool StoreBatch::empty() const {
 /// The file and its prepared statements; used by the constructor, then by the thread alone.
 class MapStore::File {
  public:
-  File(const std::string& path, Mode mode, StoredSession session) : database_(path, mode == Mode::create ? Access::create : Access::write), session_(std::move(session)) {
+  File(const std::string& path, Mode mode, StoredSession session)
+      : database_(path, mode == Mode::create ? Access::create : Access::write), session_(std::move(session)) {
     if (mode == Mode::create) {
       if (database_.number("SELECT count(*) FROM sqlite_master") > 0) throw StoreError(path + ": it exists already");
       database_.execute("PRAGMA page_size = 8192");
     } else {
       check_schema(database_);
-      if (const std::string fault = database_.text("PRAGMA quick_check(1)"); fault != "ok") throw StoreError(path + ": the file is damaged (" + fault + ")");
+      if (const std::string fault = database_.text("PRAGMA quick_check(1)"); fault != "ok")
+        throw StoreError(path + ": the file is damaged (" + fault + ")");
       session_.id = 1 + database_.number("SELECT max(id) FROM sessions");
     }
     database_.execute("PRAGMA journal_mode = WAL");
@@ -131,7 +131,8 @@ class MapStore::File {
           .run();
     }
     for (const PlaneId id : batch.removed_planes) s.no_plane.bind(1, id.value).run();
-    for (const StoredView& view : batch.views) s.view.bind(1, view.factor.value).bind(2, view.keyframe.value).bind_blob(3, points_bytes(view.extent)).run();
+    for (const StoredView& view : batch.views)
+      s.view.bind(1, view.factor.value).bind(2, view.keyframe.value).bind_blob(3, points_bytes(view.extent)).run();
     for (const auto& [id, factor] : batch.factors) s.factor.bind(1, id.value).bind(2, factor_to_json(id, factor)).run();
     for (const FactorId id : batch.removed_factors) {
       s.no_factor.bind(1, id.value).run();

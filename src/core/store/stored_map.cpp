@@ -2,8 +2,8 @@
 
 #include <algorithm>
 #include <array>
-#include <optional>
 #include <nlohmann/json.hpp>
+#include <optional>
 
 #include "bytes.hpp"
 #include "database.hpp"
@@ -82,7 +82,8 @@ void each(Database& database, const char* table, const std::string& sql, Take ta
 }
 
 void read_graph(Database& database, StoredMap& map) {
-  each(database, "poses", "SELECT keyframe, pose FROM poses ORDER BY keyframe", [&](const Statement& row) { map.poses[{row.integer(0)}] = ByteReader(row.blob(1)).pose(); });
+  each(database, "poses", "SELECT keyframe, pose FROM poses ORDER BY keyframe",
+       [&](const Statement& row) { map.poses[{row.integer(0)}] = ByteReader(row.blob(1)).pose(); });
   each(database, "planes", "SELECT id, class, plane, covariance, view_covariance, extent FROM planes ORDER BY id", [&](const Statement& row) {
     StoredPlane& plane = map.planes[{row.integer(0)}];
     plane.id = {row.integer(0)};
@@ -92,8 +93,10 @@ void read_graph(Database& database, StoredMap& map) {
     plane.view_covariance = ByteReader(row.blob(4)).matrix<3, 3>();
     plane.extent = ByteReader(row.blob(5)).points();
   });
-  each(database, "factors", "SELECT id, value FROM factors ORDER BY id", [&](const Statement& row) { map.factors.insert(factor_from_json(row.text(1))); });
-  each(database, "merges", "SELECT merged, value FROM merges ORDER BY merged", [&](const Statement& row) { map.merges.insert(merge_from_json(row.text(1))); });
+  each(database, "factors", "SELECT id, value FROM factors ORDER BY id",
+       [&](const Statement& row) { map.factors.insert(factor_from_json(row.text(1))); });
+  each(database, "merges", "SELECT merged, value FROM merges ORDER BY merged",
+       [&](const Statement& row) { map.merges.insert(merge_from_json(row.text(1))); });
   each(database, "views", "SELECT factor, keyframe, extent FROM views ORDER BY factor", [&](const Statement& row) {
     map.views[{row.integer(0)}] = {{row.integer(0)}, {row.integer(1)}, ByteReader(row.blob(2)).points()};
   });

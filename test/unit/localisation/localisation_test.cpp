@@ -92,7 +92,8 @@ Answer locate(const Mapped& mapped, const MappedBuilding& building, const Way& w
 TEST(Localiser, FindsItsPlaceInAnOffice) {
   const MappedBuilding building = office();
   const Mapped mapped = map_of(building, office_way());
-  const std::vector<Way> ways{{{6, 3}, {2, 3}, {4.5, 4.5}, {4.5, 6.8}, {8, 6.8}}, {{16, 10}, {10, 10}, {14.5, 9}, {14.5, 6.8}}, {{10, 6.8}, {3, 6.8}, {4.5, 6.8}, {4.5, 10}}};
+  const std::vector<Way> ways{
+      {{6, 3}, {2, 3}, {4.5, 4.5}, {4.5, 6.8}, {8, 6.8}}, {{16, 10}, {10, 10}, {14.5, 9}, {14.5, 6.8}}, {{10, 6.8}, {3, 6.8}, {4.5, 6.8}, {4.5, 10}}};
   for (std::size_t i = 0; i < ways.size(); ++i) {
     const Answer answer = locate(mapped, building, ways[i], 20 + static_cast<unsigned>(i));
     EXPECT_EQ(answer.last.result, LocalisationResult::found) << i << ": " << answer.last.reason;

@@ -59,7 +59,8 @@ Cloud some_cloud(unsigned seed, std::size_t size = 200) {
   cloud.stamp = Stamp::from_seconds(seed);
   cloud.frame = "velodyne";
   for (std::size_t i = 0; i < size; ++i) {
-    cloud.points.push_back({at(random), at(random), at(random), static_cast<float>(i % 256), -0.01F * static_cast<float>(i % 10), static_cast<std::uint16_t>(i % 16)});
+    cloud.points.push_back(
+        {at(random), at(random), at(random), static_cast<float>(i % 256), -0.01F * static_cast<float>(i % 10), static_cast<std::uint16_t>(i % 16)});
   }
   cloud.viewpoints = {{-0.1, {0.1, 0.2, 0.3}}, {0, {0, 0, 0}}};
   return cloud;
@@ -80,7 +81,9 @@ StoreBatch batch_of(std::int64_t id) {
   StoreBatch batch;
   batch.keyframes.push_back(keyframe(id));
   batch.poses.emplace_back(KeyframeId{id}, batch.keyframes.back().T_odom_base);
-  if (id > 0) batch.factors[{id}].data = Se3Between{{id - 1}, {id}, {}, SqrtInformation<6>::from_covariance(Matrix6::Identity(), Vector6::Constant(1e-6)), Se3Between::Source::odometry};
+  if (id > 0)
+    batch.factors[{id}].data = Se3Between{
+        {id - 1}, {id}, {}, SqrtInformation<6>::from_covariance(Matrix6::Identity(), Vector6::Constant(1e-6)), Se3Between::Source::odometry};
   return batch;
 }
 

@@ -48,8 +48,8 @@ class Localiser {
   std::shared_ptr<const ReferenceMap> map_;
   Pose T_base_lidar_;
   std::deque<LocatedKeyframe> keyframes_;
-  std::deque<double> path_;  // at each of them
-  double searched_at_ = -1;  // path at the last search
+  std::deque<double> path_;   // at each of them
+  double searched_at_ = -1;   // path at the last search
   std::optional<Pose> last_;  // T_map_odom that the last search found alone
   int agreeing_ = 0;          // searches in a row that found it
   Localisation answer_;

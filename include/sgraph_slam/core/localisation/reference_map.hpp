@@ -58,7 +58,7 @@ struct Surroundings {
 Surroundings surroundings_of(const std::vector<LocatedKeyframe>& keyframes, const Pose& T_base_lidar);
 
 /// The pose of the odometry in the map for a place found in the level frames: heights by the floors, or by the nearest keyframe.
-Pose pose_from_place(const ReferenceMap& map, const Surroundings& surroundings, const std::vector<LocatedKeyframe>& keyframes, const Pose& T_base_lidar,
-                     const Pose2d& T_map_query);
+Pose pose_from_place(const ReferenceMap& map, const Surroundings& surroundings, const std::vector<LocatedKeyframe>& keyframes,
+                     const Pose& T_base_lidar, const Pose2d& T_map_query);
 
 }  // namespace sgraph

@@ -53,8 +53,9 @@ class PlaceSearch {
     std::vector<Mask> cells;  // each holds its own and those of the 2^level - 1 cells beyond, in x and y
   };
   [[nodiscard]] Mask at(std::size_t level, int x, int y) const {
-    return x >= 0 && y >= 0 && x < width_ && y < height_ ? levels_[level].cells[static_cast<std::size_t>(y) * static_cast<std::size_t>(width_) + static_cast<std::size_t>(x)]
-                                                         : Mask{0};
+    return x >= 0 && y >= 0 && x < width_ && y < height_
+               ? levels_[level].cells[static_cast<std::size_t>(y) * static_cast<std::size_t>(width_) + static_cast<std::size_t>(x)]
+               : Mask{0};
   }
   [[nodiscard]] std::vector<double> headings(const std::vector<WallSample>& samples, double step) const;
 

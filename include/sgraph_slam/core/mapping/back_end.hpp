@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "sgraph_slam/core/mapping/map_observer.hpp"
 #include "sgraph_slam/core/mapping/params.hpp"
+#include "sgraph_slam/core/store/map_observer.hpp"
 #include "sgraph_slam/core/types/decision.hpp"
 #include "sgraph_slam/core/types/odometry.hpp"
 #include "sgraph_slam/core/types/scene.hpp"

@@ -3,7 +3,7 @@
 #include <map>
 #include <set>
 
-#include "sgraph_slam/core/mapping/map_observer.hpp"
+#include "sgraph_slam/core/store/map_observer.hpp"
 #include "sgraph_slam/core/store/map_store.hpp"
 
 namespace sgraph {

@@ -26,14 +26,14 @@ constexpr int store_schema = 1;
 /// One recording, or one time that the robot was switched on, in a map.
 struct StoredSession {
   std::int64_t id = 0;
-  std::string source;              ///< what was mapped: the bags, the topic
-  std::string sensor;              ///< frame of the clouds
-  Stamp started;                   ///< stamp of its first keyframe
-  Pose T_base_lidar;               ///< pose of the LiDAR on the robot
-  std::string frame = "map";       ///< in which the poses are
-  std::string parameters;          ///< in force, YAML
+  std::string source;                   ///< what was mapped: the bags, the topic
+  std::string sensor;                   ///< frame of the clouds
+  Stamp started;                        ///< stamp of its first keyframe
+  Pose T_base_lidar;                    ///< pose of the LiDAR on the robot
+  std::string frame = "map";            ///< in which the poses are
+  std::string parameters;               ///< in force, YAML
   std::string program = "sgraph_slam";  ///< that wrote it
-  std::string localisation;        ///< how it was joined to the map before it, JSON; empty for the first
+  std::string localisation;             ///< how it was joined to the map before it, JSON; empty for the first
 };
 
 /// What the map knows of a plane beside its views.
@@ -79,8 +79,8 @@ class MapStore {
     extend,  ///< a further session in a file that is there
   };
 
-  /// Throws StoreError when the file cannot be made or taken up. `failed` is called on the store's thread, once for each new reason why nothing can be
-  /// written: what waits is tried again with the next batch and every second.
+  /// Throws StoreError when the file cannot be made or taken up. `failed` is called on the store's thread, once for each new reason why nothing can
+  /// be written: what waits is tried again with the next batch and every second.
   MapStore(const std::string& path, Mode mode, StoredSession session, std::function<void(const std::string&)> failed = {});
   /// Writes what waits, for at most ten seconds.
   ~MapStore();
@@ -121,8 +121,8 @@ class MapStore {
   std::thread thread_;  // last: it uses all of the above
 };
 
-/// Renames a file that is there to `<name>.before.sgmap`, or `<name>.before-2.sgmap` and so on: a map is never overwritten. Returns the new name; empty
-/// when there was none. Throws StoreError.
+/// Renames a file that is there to `<name>.before.sgmap`, or `<name>.before-2.sgmap` and so on: a map is never overwritten. Returns the new name;
+/// empty when there was none. Throws StoreError.
 std::string set_aside(const std::string& path);
 
 }  // namespace sgraph

@@ -14,15 +14,15 @@ struct StoredMap {
   std::map<std::int64_t, StoredSession> sessions;
   std::map<KeyframeId, Keyframe> keyframes;  ///< measurements; without clouds unless they were asked for
   std::map<KeyframeId, std::int64_t> session_of;
-  std::map<KeyframeId, Pose> poses;          ///< estimates, map frame
+  std::map<KeyframeId, Pose> poses;  ///< estimates, map frame
   std::map<PlaneId, StoredPlane> planes;
   std::map<FactorId, StoredView> views;
   std::map<FactorId, Factor> factors;
   std::map<PlaneId, MergeRecord> merges;
-  std::array<std::int64_t, 4> next_ids{};    ///< as GraphParts::next
+  std::array<std::int64_t, 4> next_ids{};  ///< as GraphParts::next
   DecisionLog decisions;
-  std::string scene;                         ///< text of graph.json without what the other members hold
-  std::vector<std::string> faults;           ///< what could not be read: a damaged cloud
+  std::string scene;                ///< text of graph.json without what the other members hold
+  std::vector<std::string> faults;  ///< what could not be read: a damaged cloud
 };
 
 enum class Clouds { none, all };
