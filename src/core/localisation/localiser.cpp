@@ -23,6 +23,9 @@ constexpr double least_spread = 3;          // of walls across the direction tha
 constexpr double least_lead = 1.6;          // how much more must speak against any other place
 constexpr int least_agreeing = 2;           // searches in a row that find the same place
 constexpr double same_place = 0.3;          // [m]
+constexpr double near_distance = 3;         // [m] of a place from where somebody said it is
+constexpr double near_angle = 0.8;          // [rad]
+constexpr double share_when_told = 0.4;     // of what must have been seen
 
 double thread_milliseconds() {
   timespec time{};
@@ -63,9 +66,31 @@ const char* to_string(LocalisationResult value) {
   return "not_found";
 }
 
+// Leaves the places near the one that was told; they were compared with each other only.
+void Localiser::keep_near(PlaceSearchResult& places, const Surroundings& surroundings) const {
+  const Pose T_level_odom{surroundings.level, Eigen::Vector3d::Zero()};
+  const Pose T_level_map{map_->level(), Eigen::Vector3d::Zero()};
+  const Pose first = T_level_odom * T_odom_first_;
+  const Pose told = T_level_map * *near_;
+  const auto yaw = [](const Pose& pose) {
+    const Eigen::Matrix3d R = pose.matrix();
+    return std::atan2(R(1, 0), R(0, 0));
+  };
+  auto& all = places.hypotheses;
+  all.erase(std::remove_if(all.begin(), all.end(),
+                           [&](const PlaceHypothesis& place) {
+                             const Eigen::Vector2d at = place.T_map_query * Eigen::Vector2d(first.translation.head<2>());
+                             const double turn = std::remainder(place.T_map_query.yaw + yaw(first) - yaw(told), 2 * M_PI);
+                             return (at - told.translation.head<2>()).norm() > near_distance || std::abs(turn) > near_angle;
+                           }),
+            all.end());
+  places.exhaustive = true;
+}
+
 const Localisation& Localiser::add(LocatedKeyframe keyframe) {
   const double step =
       keyframes_.empty() ? 0 : (keyframe.keyframe.T_odom_base.translation - keyframes_.back().keyframe.T_odom_base.translation).norm();
+  if (keyframes_.empty()) T_odom_first_ = keyframe.keyframe.T_odom_base;
   answer_.travelled += step;
   answer_.stamp = keyframe.keyframe.stamp;
   keyframes_.push_back(std::move(keyframe));
@@ -83,7 +108,8 @@ const Localisation& Localiser::add(LocatedKeyframe keyframe) {
   return answer_;
 }
 
-void Localiser::judge(const PlaceSearchResult& places, const Surroundings& surroundings) {
+void Localiser::judge(PlaceSearchResult places, const Surroundings& surroundings) {
+  if (near_) keep_near(places, surroundings);
   answer_.fit = places.hypotheses.empty() ? LayoutFit{} : places.hypotheses.front().fit;
   answer_.second = places.hypotheses.size() < 2 ? LayoutFit{} : places.hypotheses[1].fit;
   answer_.hypotheses = 0;
@@ -106,7 +132,8 @@ void Localiser::judge(const PlaceSearchResult& places, const Surroundings& surro
     answer_.reason = std::to_string(answer_.hypotheses) + (places.exhaustive ? "" : " or more") + " places look alike: " + text(best);
     return;
   }
-  if (best.total < least_total || spread_of(surroundings.layout) < least_spread) {
+  const double share = near_ ? share_when_told : 1;
+  if (best.total < share * least_total || spread_of(surroundings.layout) < share * least_spread) {
     answer_.reason = "too little has been seen: " + text(best);
     return;
   }

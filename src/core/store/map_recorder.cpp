@@ -50,6 +50,11 @@ std::string scene_text(const GraphSnapshot& snapshot) {
 
 }  // namespace
 
+MapRecorder::MapRecorder(MapStore& store, const StoredMap& known)
+    : store_(store), poses_(known.poses), planes_(known.planes), factors_(known.factors), merges_(known.merges) {
+  for (const auto& [id, view] : known.views) viewed_.insert(id);
+}
+
 void MapRecorder::changed(const MapView& view) {
   StoreBatch batch;
   if (view.keyframe != nullptr) batch.keyframes.push_back(*view.keyframe);

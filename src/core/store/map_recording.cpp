@@ -14,6 +14,16 @@ MapRecording::MapRecording(const std::string& path, StoredSession session) : pat
   recorder_.emplace(*store_);
 }
 
+MapRecording::MapRecording(const std::string& path, StoredSession session, const std::string& from, const StoredMap& known) : path_(path) {
+  std::error_code error;
+  if (!std::filesystem::equivalent(path, from, error)) {
+    aside_ = set_aside(path);
+    copy_map(from, path);
+  }
+  store_.emplace(path, MapStore::Mode::extend, std::move(session));
+  recorder_.emplace(*store_, known);
+}
+
 RecordingFigures MapRecording::finish() {
   const bool complete = store_->flush(patience);
   RecordingFigures figures{path_, 0, store_->cpu_seconds()};

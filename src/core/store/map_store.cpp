@@ -294,4 +294,16 @@ std::string set_aside(const std::string& path) {
   return target;
 }
 
+void copy_map(const std::string& from, const std::string& to) {
+  Database database(from, Access::read);
+  check_schema(database);
+  Statement copy(database, "VACUUM INTO ?");
+  copy.bind(1, to);
+  try {
+    copy.run();
+  } catch (const StoreError& error) {
+    throw StoreError(to + ": the map cannot be copied here (" + error.what() + ")");
+  }
+}
+
 }  // namespace sgraph

@@ -7,6 +7,7 @@
 #include <array>
 #include <cmath>
 #include <csignal>
+#include <cstdlib>
 #include <ctime>
 #include <filesystem>
 #include <fstream>
@@ -255,6 +256,18 @@ TEST(Store, SaysWhatIsWrongWithAFile) {
   EXPECT_EQ(error_of(path), "no error");
 }
 
+TEST(Store, ACopyIsAMap) {
+  const Folder folder;
+  const std::string path = folder.file("map.sgmap");
+  MapStore store(path, MapStore::Mode::create, session());
+  for (std::int64_t id = 0; id < 5; ++id) store.write(batch_of(id));
+  ASSERT_TRUE(store.flush(seconds(20)));
+  copy_map(path, folder.file("copy.sgmap"));
+  EXPECT_TRUE(check_map(folder.file("copy.sgmap")).empty());
+  EXPECT_EQ(read_map(folder.file("copy.sgmap"), Clouds::all).keyframes.size(), 5U);
+  EXPECT_THROW(copy_map(path, "/nowhere/at/all.sgmap"), StoreError);
+}
+
 // Bytes overwritten anywhere: read as far as it makes sense, or refused in words; never a crash.
 TEST(Store, AScrambledFileIsSurvived) {
   const Folder folder;
@@ -323,7 +336,9 @@ TEST(Store, AFullDiskLosesNothing) {
 // Killed at any moment, the file opens at once and holds all but the last keyframe and what lies less than a second back.
 TEST(Store, SurvivesKillNine) {
   std::mt19937 random(5);
-  for (int trial = 0; trial < 12; ++trial) {
+  const char* kills = std::getenv("SGRAPH_KILLS");  // bench/map_store_kills asks for more
+  const int trials = kills != nullptr ? std::atoi(kills) : 12;
+  for (int trial = 0; trial < trials; ++trial) {
     const Folder folder;
     const std::string path = folder.file("map.sgmap");
     int pipes[2];

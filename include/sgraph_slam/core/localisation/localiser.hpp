@@ -35,7 +35,9 @@ struct Localisation {
 /// Finds out where a robot is in a map, from what it sees on its way; says so only when one place agrees with all that was seen, and no other does.
 class Localiser {
  public:
-  Localiser(std::shared_ptr<const ReferenceMap> map, const Pose& T_base_lidar) : map_(std::move(map)), T_base_lidar_(T_base_lidar) {}
+  /// `near`: T_map_base of the first keyframe to within some metres and half a right angle, when somebody told; other places are not considered then.
+  Localiser(std::shared_ptr<const ReferenceMap> map, const Pose& T_base_lidar, const std::optional<Pose>& near = std::nullopt)
+      : map_(std::move(map)), T_base_lidar_(T_base_lidar), near_(near) {}
 
   /// Takes the next keyframe, in order; returns what is known now. After `found` there is no need to go on.
   const Localisation& add(LocatedKeyframe keyframe);
@@ -43,10 +45,13 @@ class Localiser {
   [[nodiscard]] const Localisation& answer() const { return answer_; }
 
  private:
-  void judge(const PlaceSearchResult& places, const Surroundings& surroundings);
+  void keep_near(PlaceSearchResult& places, const Surroundings& surroundings) const;
+  void judge(PlaceSearchResult places, const Surroundings& surroundings);
 
   std::shared_ptr<const ReferenceMap> map_;
   Pose T_base_lidar_;
+  std::optional<Pose> near_;
+  Pose T_odom_first_;  // of the first keyframe
   std::deque<LocatedKeyframe> keyframes_;
   std::deque<double> path_;   // at each of them
   double searched_at_ = -1;   // path at the last search

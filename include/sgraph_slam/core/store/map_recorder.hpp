@@ -5,6 +5,7 @@
 
 #include "sgraph_slam/core/store/map_observer.hpp"
 #include "sgraph_slam/core/store/map_store.hpp"
+#include "sgraph_slam/core/store/stored_map.hpp"
 
 namespace sgraph {
 
@@ -13,6 +14,8 @@ class MapRecorder : public MapObserver {
  public:
   /// The store must outlive it. The first time that it is shown a map it writes all of it.
   explicit MapRecorder(MapStore& store) : store_(store) {}
+  /// `known`: what the file holds already, when the back end has taken the map up from there.
+  MapRecorder(MapStore& store, const StoredMap& known);
 
   void changed(const MapView& view) override;
 

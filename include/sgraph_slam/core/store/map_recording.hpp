@@ -22,6 +22,10 @@ class MapRecording {
   /// Throws StoreError when the file cannot be made.
   MapRecording(const std::string& path, StoredSession session);
 
+  /// A further session of the map in `from`, of which `known` is what it holds: written into a copy of it, or into the file itself when `path` is the
+  /// same. Throws StoreError.
+  MapRecording(const std::string& path, StoredSession session, const std::string& from, const StoredMap& known);
+
   /// To be shown the map.
   [[nodiscard]] MapObserver& observer() { return *recorder_; }
 

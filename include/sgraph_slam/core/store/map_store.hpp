@@ -125,4 +125,7 @@ class MapStore {
 /// empty when there was none. Throws StoreError.
 std::string set_aside(const std::string& path);
 
+/// Copies a map file, also while it is being written, into a new one. Throws StoreError.
+void copy_map(const std::string& from, const std::string& to);
+
 }  // namespace sgraph
