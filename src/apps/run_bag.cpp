@@ -36,6 +36,10 @@ struct Options {
   std::string odom_topic;
   std::string until = "mapping";
   std::string store;
+  std::string map;
+  std::string map_mode = "continue";
+  std::string start_pose;
+  std::vector<std::string> start;
   double duration = 0;
   int threads = 0;
   bool quiet = false;
@@ -56,7 +60,17 @@ void declare(CLI::App& app, Options& options) {
       ->capture_default_str()
       ->check(CLI::IsMember({"prefilter", "odometry", "segmentation", "mapping"}));
   app.add_option("--store", options.store, "Map file to write (OUT/map.sgmap)");
-  app.add_option("--start", options.bag.start, "Seconds to leave out at the beginning")->check(CLI::NonNegativeNumber);
+  app.add_option("--map", options.map, "Map file to take up (docs/maps.md)")->check(CLI::ExistingFile);
+  app.add_option("--map-mode", options.map_mode, "continue: a further session in it; localize: it stays as it is")
+      ->capture_default_str()
+      ->check(CLI::IsMember({"continue", "localize"}));
+  app.add_option("--start-pose", options.start_pose, "\"X Y Z YAW\": where in the map the recording starts, to within some metres");
+  app.add_option(
+         "--start", options.start,
+         "Seconds to leave out at the beginning; or where the recording starts in the map: search (default), or first: where the map does. Both "
+         "may be given")
+      ->expected(1)
+      ->take_all();
   app.add_option("--duration", options.duration, "Seconds to read")->check(CLI::PositiveNumber);
   app.add_option("--threads", options.threads, "Most threads to use; 0: all")->check(CLI::NonNegativeNumber);
   app.add_flag("--quiet", options.quiet, "Print errors only");
@@ -81,8 +95,31 @@ Settings read_settings(const Options& options) {
   return settings;
 }
 
+// The two meanings of --start.
+std::string start_place(const Options& options, BagOptions* bag) {
+  std::string place = "search";
+  for (const std::string& word : options.start) {
+    if (word == "first" || word == "search") {
+      place = word;
+      continue;
+    }
+    std::size_t read = 0;
+    try {
+      const double seconds = std::stod(word, &read);
+      if (read == word.size() && seconds >= 0) {
+        if (bag != nullptr) bag->start = seconds;
+        continue;
+      }
+    } catch (const std::logic_error&) {
+    }
+    throw std::runtime_error("--start: '" + word + "' is neither a number of seconds, nor first, nor search");
+  }
+  return place;
+}
+
 BagOptions bag_options(const Options& options, const Settings& settings) {
   BagOptions bag = options.bag;
+  start_place(options, &bag);
   bag.odom_topic = options.odom_topic.empty() && settings.params.odometry.source == "topic" ? "/odom" : options.odom_topic;
   bag.base_frame = settings.ros.base_frame;
   if (!settings.ros.base_to_lidar.empty()) bag.T_base_lidar = parse_mount(settings.ros.base_to_lidar);
@@ -137,16 +174,36 @@ StoredSession session_of(const Options& options, const Settings& settings, const
   return session;
 }
 
+SessionStart start_of(const Options& options) {
+  SessionStart start;
+  const std::string place = start_place(options, nullptr);
+  if (options.map.empty()) {
+    if (!options.start_pose.empty() || place == "first") throw std::runtime_error("a start in the map needs --map");
+    return start;
+  }
+  start.map = take_map(options.map);
+  start.mode = options.map_mode == "localize" ? MapMode::localize : MapMode::extend;
+  if (!options.start_pose.empty()) start.near = parse_start_pose(options.start_pose);
+  if (place == "first") start.near = start.map->reference->first_pose();
+  return start;
+}
+
 void run(const Options& options) {
   const Settings settings = read_settings(options);
   BagSource source(bag_options(options, settings));
   make_folder(options.out);  // before the work, not after it
-  Pipeline pipeline(settings.params, source.T_base_lidar(), *stage_from(options.until));
+  const SessionStart start = start_of(options);
+  Pipeline pipeline(settings.params, source.T_base_lidar(), *stage_from(options.until), start);
   RunInfo info;
   info.sources = options.bag.bags;
   std::optional<MapRecording> recording;
-  if (pipeline.run().until() == Stage::mapping) {
-    recording.emplace(options.store.empty() ? options.out + "/map.sgmap" : options.store, session_of(options, settings, source));
+  if (pipeline.run().until() == Stage::mapping && !(start.map && start.mode == MapMode::localize)) {
+    const std::string path = options.store.empty() ? options.out + "/map.sgmap" : options.store;
+    if (start.map) {
+      recording.emplace(path, session_of(options, settings, source), start.map->path, start.map->stored);
+    } else {
+      recording.emplace(path, session_of(options, settings, source));
+    }
     pipeline.observe(&recording->observer());
   }
   map_recording(source, pipeline, options.quiet, info);

@@ -1,5 +1,6 @@
 #include "sgraph_slam/core/mapping/back_end.hpp"
 
+#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <exception>
@@ -34,7 +35,25 @@ class BackEnd::Implementation {
   Implementation(const MappingParams& params, const Pose& T_base_lidar, std::shared_ptr<KeyframeClouds> clouds)
       : state_(params, T_base_lidar, std::move(clouds)), snapshot_(std::make_shared<GraphSnapshot>()) {}
 
-  GraphSnapshotPtr process(const Keyframe& keyframe, const PlaneSegments& segments) {
+  void go_on_with(KeptMap map, const Pose& T_map_odom, const Matrix6& covariance) {
+    state_.graph = std::move(map.graph);
+    state_.keyframes = std::move(map.keyframes);
+    resume_drift();
+    state_.planes.map.restore(state_.graph, std::move(map.planes), std::move(map.merged));
+    update_frame();
+    state_.planes.map.refresh(state_.graph, state_.planes.frame);
+    const SceneKeyframe& last = state_.keyframes.rbegin()->second;
+    const Pose T_map_odom_before = *state_.graph.find(last.id) * last.T_odom_base.inverse();
+    state_.session = {last.id.value + 1, T_map_odom_before.inverse() * T_map_odom, covariance};
+    state_.T_map_odom = T_map_odom;
+    if (state_.params.topological_layer) visit_all();
+    find_openings();
+    checkpoint();
+    publish(false);
+  }
+
+  GraphSnapshotPtr process(const Keyframe& given, const PlaneSegments& segments) {
+    const Keyframe keyframe = of_map(given);
     std::optional<Input> input;
     std::string failure = failure_of([&] {
       input = Input{without_cloud(keyframe), kept(keyframe), segments, true};
@@ -86,6 +105,35 @@ class BackEnd::Implementation {
   GraphSnapshotPtr shown(const Keyframe* added) const {
     if (observer_ != nullptr) observer_->changed({state_.graph, state_.planes.map, state_.log, *snapshot_, added});
     return snapshot_;
+  }
+
+  // The session's keyframe as one of the whole map.
+  [[nodiscard]] Keyframe of_map(Keyframe keyframe) const {
+    const Session& session = state_.session;
+    if (session.first == 0) return keyframe;
+    if (state_.keyframes.rbegin()->first.value < session.first) {  // it joins the session before by where it was found, not by odometry
+      keyframe.covariance = session.covariance;
+      keyframe.degenerate.clear();
+    }
+    keyframe.id.value += session.first;
+    keyframe.T_odom_base = session.T_odom_own * keyframe.T_odom_base;
+    for (StampedPose& scan : keyframe.scans) scan.pose = session.T_odom_own * scan.pose;
+    return keyframe;
+  }
+
+  // How uncertain the odometry of the kept map's keyframes is, as their factors say.
+  void resume_drift() {
+    std::map<KeyframeId, Matrix6> covariances;
+    for (const auto& [id, factor] : state_.graph.factors()) {
+      const auto* motion = std::get_if<Se3Between>(&factor.data);
+      if (motion == nullptr || motion->source != Se3Between::Source::odometry) continue;
+      const Matrix6 root = motion->weight.matrix();
+      covariances[motion->to] = (root.transpose() * root).inverse();
+    }
+    for (const auto& [id, keyframe] : state_.keyframes) {
+      const auto found = covariances.find(id);
+      state_.planes.drift.add(id, keyframe.T_odom_base, found != covariances.end() ? found->second : Matrix6::Identity());
+    }
   }
 
   static Keyframe without_cloud(Keyframe keyframe) {
@@ -297,7 +345,7 @@ class BackEnd::Implementation {
 
   void place_odometry() {
     const SceneKeyframe& newest = state_.keyframes.rbegin()->second;
-    state_.T_map_odom = *state_.graph.find(newest.id) * newest.T_odom_base.inverse();
+    state_.T_map_odom = *state_.graph.find(newest.id) * newest.T_odom_base.inverse() * state_.session.T_odom_own;
   }
 
   MapState state_;
@@ -316,6 +364,9 @@ BackEnd::BackEnd(const MappingParams& params, const Pose& T_base_lidar, std::sha
     : implementation_(std::make_unique<Implementation>(params, T_base_lidar, std::move(clouds))) {}
 BackEnd::~BackEnd() = default;
 
+void BackEnd::go_on_with(KeptMap map, const Pose& T_map_odom, const Matrix6& covariance) {
+  implementation_->go_on_with(std::move(map), T_map_odom, covariance);
+}
 void BackEnd::observe(MapObserver* observer) { implementation_->observe(observer); }
 GraphSnapshotPtr BackEnd::process(const Keyframe& keyframe, const PlaneSegments& segments) { return implementation_->process(keyframe, segments); }
 GraphSnapshotPtr BackEnd::optimize() { return implementation_->optimize(); }

@@ -4,16 +4,16 @@
 
 namespace sgraph {
 
-Run::Run(const MappingParams& params, const Pose& T_base_lidar, Stage until)
+Run::Run(const MappingParams& params, const Pose& T_base_lidar, Stage until, SessionStart start)
     : until_(until),
       T_base_lidar_(T_base_lidar),
-      back_end_(params, T_base_lidar, until >= Stage::mapping ? std::make_shared<TemporaryClouds>() : nullptr) {}
+      session_(params, T_base_lidar, until >= Stage::mapping ? std::make_shared<TemporaryClouds>() : nullptr, std::move(start)) {}
 
 const ScanRecord& Run::take(const MeasuredScan& scan) {
   records_.push_back(scan.record);
   map(scan, records_.back().cost);
   if (until_ >= Stage::odometry && scan.odometry.verdict == ScanVerdict::accepted) {
-    live_.push_back({scan.record.stamp, back_end_.snapshot()->T_map_odom * scan.odometry.live.T_odom_base});
+    live_.push_back({scan.record.stamp, session_.snapshot()->T_map_odom * scan.odometry.live.T_odom_base});
   }
   return records_.back();
 }
@@ -23,7 +23,7 @@ void Run::finish(const MeasuredScan& rest) {
   map(rest, finish_cost_);
   if (until_ < Stage::mapping || keyframes_.empty()) return;
   StageClock clock;
-  note_solve(*back_end_.optimize());
+  note_solve(*session_.optimize());
   clock.book(Stage::mapping, finish_cost_);
 }
 
@@ -34,14 +34,14 @@ void Run::map(const MeasuredScan& scan, StageCost& cost) {
     keyframes_.push_back({odometry.keyframes[i].stamp, odometry.keyframes[i].T_odom_base});
     if (until_ < Stage::mapping) continue;
     StageClock clock;
-    note_solve(*back_end_.process(odometry.keyframes[i], scan.planes.at(i)));
+    note_solve(*session_.process(odometry.keyframes[i], scan.planes.at(i)));
     clock.book(Stage::mapping, cost);
   }
 }
 
 // A state that is handed out again carries the same solve again.
 void Run::note_solve(const GraphSnapshot& state) {
-  if (state.version > noted_ && state.last_solve.keyframes > 0) solves_.push_back(state.last_solve);
+  if (state.version != noted_ && state.last_solve.keyframes > 0) solves_.push_back(state.last_solve);
   noted_ = state.version;
 }
 
@@ -52,8 +52,8 @@ StageCost Run::total_cost() const {
 }
 
 Trajectory Run::trajectory() const {
-  const GraphSnapshotPtr snapshot = back_end_.snapshot();
-  Trajectory trajectory = corrected_trajectory(*snapshot);
+  const GraphSnapshotPtr snapshot = session_.snapshot();
+  Trajectory trajectory = corrected_trajectory(*session_.travelled());
   // Scans that no keyframe holds yet are as far off as the newest one that does.
   for (const StampedPose& scan : finals_) {
     if (trajectory.empty() || scan.stamp > trajectory.back().stamp) trajectory.push_back({scan.stamp, snapshot->T_map_odom * scan.pose});

@@ -38,6 +38,20 @@ Json to_json(const SolveSummary& solve) {
           {"initial_cost", solve.initial_cost}, {"final_cost", solve.final_cost}, {"ms", solve.milliseconds}, {"converged", solve.converged}};
 }
 
+Json to_json(const Localisation& place) {
+  Json json = {{"result", to_string(place.result)}, {"stamp", place.stamp.seconds()},
+               {"travelled_m", place.travelled},    {"ms", place.milliseconds},
+               {"hypotheses", place.hypotheses},    {"reason", place.reason},
+               {"wall_m", place.fit.total},         {"matched_m", place.fit.matched},
+               {"unknown_m", place.fit.unknown},    {"contradicted_m", place.fit.contradicted}};
+  if (place.result == LocalisationResult::found) {
+    const Eigen::Vector3d& t = place.T_map_base.translation;
+    const Eigen::Quaterniond& q = place.T_map_base.rotation;
+    json["pose"] = {t.x(), t.y(), t.z(), q.x(), q.y(), q.z(), q.w()};
+  }
+  return json;
+}
+
 template <class... Values>
 std::string format(const char* pattern, Values... values) {
   std::array<char, 256> text{};
@@ -86,6 +100,7 @@ RunReport make_report(const Run& run, const RunInfo& info) {
   }
   report.finish_milliseconds = run.finish_cost().wall;
   report.solves = run.solves();
+  report.localisation = run.localisation();
   return report;
 }
 
@@ -122,6 +137,7 @@ std::string report_json(const RunReport& report) {
                {"stages_cpu_ms", stages_cpu},
                {"finish_ms", finish},
                {"solves", solves}};
+  if (report.localisation) json["localisation"] = to_json(*report.localisation);
   if (report.info.store) {
     const RecordingFigures& store = *report.info.store;
     json["store"] = {{"path", store.path}, {"bytes", store.bytes}, {"cpu_seconds", store.cpu_seconds}};
@@ -139,6 +155,7 @@ std::string report_table(const RunReport& report) {
     text << format("map: %d keyframes, %d planes, %d rooms, %d corridors, %zu solves\n", report.keyframes, report.planes, report.rooms,
                    report.corridors, report.solves.size());
   }
+  if (report.localisation) text << "place in the map: " << to_string(report.localisation->result) << " (" << report.localisation->reason << ")\n";
   text << format("\n%-14s %6s %9s %9s %9s %9s\n", "stage [ms]", "runs", "mean", "p50", "p99", "max");
   for (const StageFigures& figures : report.stages) {
     text << format("%-14s %6d %9.2f %9.2f %9.2f %9.2f\n", to_string(figures.stage), figures.runs, figures.mean, figures.p50, figures.p99,

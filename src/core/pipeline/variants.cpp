@@ -84,12 +84,12 @@ Variant parse_variant(const std::string& text, const ParamValues& common, const 
   return variant;
 }
 
-VariantSet::VariantSet(std::vector<Variant> variants, const Pose& T_base_lidar) : variants_(std::move(variants)) {
+VariantSet::VariantSet(std::vector<Variant> variants, const Pose& T_base_lidar, const SessionStart& start) : variants_(std::move(variants)) {
   std::set<std::string> names;
   for (std::size_t i = 0; i < variants_.size(); ++i) {
     const Variant& variant = variants_[i];
     if (!names.insert(variant.name).second) throw std::runtime_error("two variants are named " + variant.name);
-    runs_.emplace_back(variant.params.mapping, T_base_lidar, variant.until);
+    runs_.emplace_back(variant.params.mapping, T_base_lidar, variant.until, start);
     const std::string key = front_key(variant);
     Front* front = with_key(fronts_, key);
     if (front == nullptr) {

@@ -194,6 +194,12 @@ void PlaneMap::undo_merge(const Graph& graph, PlaneId kept, PlaneId merged) {
   rebuild(graph, records_[merged]);
 }
 
+void PlaneMap::restore(const Graph& graph, std::map<PlaneId, PlaneRecord> records, std::map<PlaneId, PlaneRecord> retired) {
+  records_ = std::move(records);
+  retired_ = std::move(retired);
+  for (auto& [id, record] : records_) rebuild(graph, record);
+}
+
 const PlaneRecord* PlaneMap::find(PlaneId id) const {
   const auto found = records_.find(id);
   return found == records_.end() ? nullptr : &found->second;

@@ -57,7 +57,10 @@ MapRecorder::MapRecorder(MapStore& store, const StoredMap& known)
 
 void MapRecorder::changed(const MapView& view) {
   StoreBatch batch;
-  if (view.keyframe != nullptr) batch.keyframes.push_back(*view.keyframe);
+  // One that the graph refused is not in it, or another of its id is.
+  if (view.keyframe != nullptr && view.graph.find(view.keyframe->id) != nullptr && poses_.count(view.keyframe->id) == 0) {
+    batch.keyframes.push_back(*view.keyframe);
+  }
   note_poses(view, batch);
   note_planes(view, batch);
   note_factors(view, batch);

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "sgraph_slam/core/mapping/kept_map.hpp"
 #include "sgraph_slam/core/mapping/params.hpp"
 #include "sgraph_slam/core/store/map_observer.hpp"
 #include "sgraph_slam/core/types/decision.hpp"
@@ -24,6 +25,11 @@ class BackEnd {
 
   /// Shows the map to the observer after each keyframe and each optimisation, until another is given or null. It must outlive its use.
   void observe(MapObserver* observer);
+
+  /// Goes on with a map made earlier, in a further session; to be called before the first keyframe. `T_map_odom`: where the session's odometry lies
+  /// in it, `covariance`: how sure that is for its first keyframe (right perturbation). Keyframes get ids after those of the map, and their odometry
+  /// the frame of the map's.
+  void go_on_with(KeptMap map, const Pose& T_map_odom, const Matrix6& covariance);
 
   /// Takes a keyframe and the planes seen in its cloud (same stamp), in order. Solves when the data asks for it. Returns the newest state. Throws
   /// nothing that a step throws: see failures().

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <map>
 #include <memory>
 #include <set>
@@ -16,6 +17,14 @@
 #include "sgraph_slam/core/types/scene.hpp"
 
 namespace sgraph {
+
+/// The recording that is being mapped, where it goes on with a map made earlier: its keyframes get ids after the others, and its odometry is moved
+/// into the frame of theirs, so that the map has one odometry that jumps where one session ends and another begins.
+struct Session {
+  std::int64_t first = 0;                    ///< id of its first keyframe
+  Pose T_odom_own;                           ///< the map's odometry from the session's own
+  Matrix6 covariance = Matrix6::Identity();  ///< of its first pose in the map, as of a keyframe's motion
+};
 
 /// All that the back end knows: the graph, and beside it what each layer keeps. Data only; a copy is a state to come back to.
 struct MapState {
@@ -40,7 +49,8 @@ struct MapState {
   std::vector<SceneOpening> openings;
   std::map<PlaneId, Eigen::Matrix3d> plane_covariances;  ///< as of the last optimisation on demand
   DecisionLog log;
-  Pose T_map_odom;
+  Pose T_map_odom;  ///< of the session that is going on
+  Session session;
 
   std::set<PlanePair> pending_merges;  ///< planes that a place showed to be one, since the last global solve
   int since_global = 0;                ///< keyframes since the last global solve

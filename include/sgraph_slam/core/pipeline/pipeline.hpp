@@ -10,8 +10,8 @@ namespace sgraph {
 class Pipeline {
  public:
   /// Runs the stages up to and including `until`. Throws what the stages' constructors throw at bad parameters.
-  Pipeline(const Params& params, const Pose& T_base_lidar, Stage until = Stage::mapping)
-      : front_end_(params, T_base_lidar, until), segmenter_(params.segmentation), run_(params.mapping, T_base_lidar, until) {}
+  Pipeline(const Params& params, const Pose& T_base_lidar, Stage until = Stage::mapping, SessionStart start = {})
+      : front_end_(params, T_base_lidar, until), segmenter_(params.segmentation), run_(params.mapping, T_base_lidar, until, std::move(start)) {}
 
   /// Shows the map to an observer as it grows (see BackEnd).
   void observe(MapObserver* observer) { run_.observe(observer); }

@@ -1,9 +1,10 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
-#include "sgraph_slam/core/mapping/back_end.hpp"
+#include "sgraph_slam/core/localisation/mapping_session.hpp"
 #include "sgraph_slam/core/pipeline/front_end.hpp"
 
 namespace sgraph {
@@ -11,11 +12,11 @@ namespace sgraph {
 /// A recording being mapped: the mapping stage, fed with what the stages before it made, and all that a run folder tells.
 class Run {
  public:
-  /// Maps only when `until` is the mapping.
-  Run(const MappingParams& params, const Pose& T_base_lidar, Stage until);
+  /// Maps only when `until` is the mapping. `start`: the map to take up, if any.
+  Run(const MappingParams& params, const Pose& T_base_lidar, Stage until, SessionStart start = {});
 
   /// Shows the map to an observer as it grows (see BackEnd).
-  void observe(MapObserver* observer) { back_end_.observe(observer); }
+  void observe(MapObserver* observer) { session_.observe(observer); }
 
   /// Takes what was made of the next scan. The record stays valid until the next call.
   const ScanRecord& take(const MeasuredScan& scan);
@@ -37,7 +38,9 @@ class Run {
   [[nodiscard]] const Trajectory& odometry_keyframes() const { return keyframes_; }
   /// Base poses in the map of every scan, with what is known now. Before mapping, or without it, the odometry's final poses.
   [[nodiscard]] Trajectory trajectory() const;
-  [[nodiscard]] GraphSnapshotPtr snapshot() const { return back_end_.snapshot(); }
+  [[nodiscard]] GraphSnapshotPtr snapshot() const { return session_.snapshot(); }
+  /// What is known of the robot's place in the map that the run takes up; nothing when it takes up none.
+  [[nodiscard]] std::optional<Localisation> localisation() const { return session_.localisation(); }
   /// All graph solves in order.
   [[nodiscard]] const std::vector<SolveSummary>& solves() const { return solves_; }
 
@@ -47,7 +50,7 @@ class Run {
 
   Stage until_;
   Pose T_base_lidar_;
-  BackEnd back_end_;
+  MappingSession session_;
   std::vector<ScanRecord> records_;
   StageCost finish_cost_;
   Trajectory live_;
@@ -57,8 +60,8 @@ class Run {
   std::int64_t noted_ = 0;  // version of the newest state whose solve is in solves_
 };
 
-/// Base poses in the map of every scan that the snapshot's keyframes hold: the odometry's final poses, moved by the correction of the keyframes
-/// around each, blended by time so that the trajectory has no steps. A keyframe's own scan is exactly where the keyframe is.
+/// Base poses in the map of every scan that the keyframes of the snapshot's session hold: the odometry's final poses, moved by the correction of the
+/// keyframes around each, blended by time so that the trajectory has no steps. A keyframe's own scan is exactly where the keyframe is.
 Trajectory corrected_trajectory(const GraphSnapshot& snapshot);
 
 }  // namespace sgraph

@@ -46,6 +46,7 @@ struct RunReport {
   std::vector<StageFigures> stages_cpu;        ///< CPU time
   StageTimes finish_milliseconds{};
   std::vector<SolveSummary> solves;
+  std::optional<Localisation> localisation;  ///< where a map was to be taken up
 };
 
 /// The memory is that of the process at the moment of the call.

@@ -30,8 +30,9 @@ Variant parse_variant(const std::string& text, const ParamValues& common, const 
 /// planes. Each gives to the last bit what it gives alone, and is charged for a shared stage as if it had run it alone. One thread.
 class VariantSet {
  public:
-  /// Throws std::runtime_error when two have the same name, and what the stages' constructors throw at bad parameters.
-  VariantSet(std::vector<Variant> variants, const Pose& T_base_lidar);
+  /// Throws std::runtime_error when two have the same name, and what the stages' constructors throw at bad parameters. `start`: the map that each
+  /// takes up, if any.
+  VariantSet(std::vector<Variant> variants, const Pose& T_base_lidar, const SessionStart& start = {});
 
   /// Shows the map of one variant to an observer as it grows (see BackEnd).
   void observe(std::size_t variant, MapObserver* observer) { runs_.at(variant).observe(observer); }

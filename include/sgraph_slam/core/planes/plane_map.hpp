@@ -67,6 +67,9 @@ class PlaneMap {
   void erase(PlaneId id);
   void undo_merge(const Graph& graph, PlaneId kept, PlaneId merged);
 
+  /// Takes up the records of a map made earlier: class, observations and last_covariance of each plane, and of those merged away. The rest follows.
+  void restore(const Graph& graph, std::map<PlaneId, PlaneRecord> records, std::map<PlaneId, PlaneRecord> retired);
+
   [[nodiscard]] const std::map<PlaneId, PlaneRecord>& records() const { return records_; }
   [[nodiscard]] const PlaneRecord* find(PlaneId id) const;
   /// Where the planes are.
