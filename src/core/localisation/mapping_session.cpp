@@ -70,7 +70,9 @@ void MappingSession::place(const Localisation& found) {
   }
   // Clouds of the session go where those of its own map went: the ids are new.
   back_end_ = std::make_unique<BackEnd>(params_, T_base_lidar_, clouds_);
-  back_end_->go_on_with(kept_map(*start_.map), found.T_map_odom, start_covariance());
+  KeptMap kept = kept_map(*start_.map);
+  first_ = {kept.keyframes.rbegin()->first.value + 1};
+  back_end_->go_on_with(std::move(kept), found.T_map_odom, start_covariance());
   back_end_->observe(observer_);
   for (const LocatedKeyframe& seen : all) back_end_->process(seen.keyframe, seen.segments);
 }
@@ -117,7 +119,15 @@ void MappingSession::observe(MapObserver* observer) {
   if (is_placed() && !tracker_) back_end_->observe(observer);
 }
 
-GraphSnapshotPtr MappingSession::travelled() const { return tracker_ ? std::make_shared<const GraphSnapshot>(travelled_) : back_end_->snapshot(); }
+GraphSnapshotPtr MappingSession::travelled() const {
+  if (tracker_) return std::make_shared<const GraphSnapshot>(travelled_);
+  if (first_.value == 0) return back_end_->snapshot();
+  const GraphSnapshotPtr all = back_end_->snapshot();
+  auto own = std::make_shared<GraphSnapshot>();
+  own->T_map_odom = all->T_map_odom;
+  own->keyframes.insert(all->keyframes.lower_bound(first_), all->keyframes.end());
+  return own;
+}
 
 std::optional<Localisation> MappingSession::localisation() const {
   if (found_) return found_;

@@ -52,7 +52,6 @@ GraphSnapshotPtr make_snapshot(const MapState& state, std::int64_t version, cons
   auto snapshot = std::make_shared<GraphSnapshot>();
   snapshot->version = version;
   snapshot->T_map_odom = state.T_map_odom;
-  snapshot->session = {state.session.first};
   snapshot->dominant_yaw = state.planes.frame.yaw;
   for (const auto& [id, keyframe] : state.keyframes) {
     snapshot->keyframes.emplace_hint(snapshot->keyframes.end(), id, keyframe)->second.T_map_base = *state.graph.find(id);

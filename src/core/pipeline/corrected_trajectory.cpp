@@ -7,7 +7,6 @@ Trajectory corrected_trajectory(const GraphSnapshot& snapshot) {
   Trajectory trajectory;
   const SceneKeyframe* before = nullptr;
   for (const auto& [id, keyframe] : snapshot.keyframes) {
-    if (id < snapshot.session) continue;
     const Pose T_map_odom = keyframe.T_map_base * keyframe.T_odom_base.inverse();
     const Pose T_map_odom_before = before != nullptr ? before->T_map_base * before->T_odom_base.inverse() : T_map_odom;
     const double span = before != nullptr ? keyframe.stamp - before->stamp : 0;

@@ -71,6 +71,7 @@ class MappingSession {
   std::vector<LocatedKeyframe> before_;  // keyframes until the place was known
   std::optional<Localisation> found_;
   bool placed_ = false;
+  KeyframeId first_{0};  // keyframe of the back end's map that this session began with
 
   GraphSnapshotPtr snapshot_;  // when localising: the map, with this session's T_map_odom
   GraphSnapshot travelled_;    // when localising: this session's keyframes

@@ -60,8 +60,8 @@ class Run {
   std::int64_t noted_ = 0;  // version of the newest state whose solve is in solves_
 };
 
-/// Base poses in the map of every scan that the keyframes of the snapshot's session hold: the odometry's final poses, moved by the correction of the
-/// keyframes around each, blended by time so that the trajectory has no steps. A keyframe's own scan is exactly where the keyframe is.
+/// Base poses in the map of every scan that the snapshot's keyframes hold: the odometry's final poses, moved by the correction of the keyframes
+/// around each, blended by time so that the trajectory has no steps. A keyframe's own scan is exactly where the keyframe is.
 Trajectory corrected_trajectory(const GraphSnapshot& snapshot);
 
 }  // namespace sgraph

@@ -87,7 +87,6 @@ struct GraphSnapshot {
   std::int64_t version = 0;
   std::string frame = "map";
   Pose T_map_odom;
-  KeyframeId session{0};    ///< first keyframe of the session that is going on; those before it are of earlier ones
   double dominant_yaw = 0;  ///< direction of the building's walls, modulo 90 degrees [rad]
   std::map<KeyframeId, SceneKeyframe> keyframes;
   std::map<PlaneId, ScenePlane> planes;
