@@ -181,11 +181,7 @@ SessionStart start_of(const Options& options) {
     if (!options.start_pose.empty() || place == "first") throw std::runtime_error("a start in the map needs --map");
     return start;
   }
-  start.map = take_map(options.map);
-  start.mode = options.map_mode == "localize" ? MapMode::localize : MapMode::extend;
-  if (!options.start_pose.empty()) start.near = parse_start_pose(options.start_pose);
-  if (place == "first") start.near = start.map->reference->first_pose();
-  return start;
+  return make_start(options.map, options.map_mode, options.start_pose.empty() ? place : options.start_pose);
 }
 
 void run(const Options& options) {

@@ -1,9 +1,11 @@
+#include <geometry_msgs/PoseWithCovarianceStamped.h>
 #include <tf2_ros/transform_broadcaster.h>
 #include <pluginlib/class_list_macros.hpp>
 
 #include "sgraph_slam/ros/back_end_thread.hpp"
 #include "sgraph_slam/ros/cloud_message.hpp"
 #include "sgraph_slam/ros/conversions.hpp"
+#include "sgraph_slam/ros/map_directory.hpp"
 #include "sgraph_slam/ros/map_publisher.hpp"
 #include "sgraph_slam/ros/map_services.hpp"
 #include "sgraph_slam/ros/messages.hpp"
@@ -28,15 +30,26 @@ class MappingNodelet : public StageNodelet {
     tf_clock_.emplace(ros::Duration(options.tf_lookahead));
     publisher_ = std::make_unique<MapPublisher>(node, settings(), failed);
     back_end_ = std::make_unique<BackEndThread>(
-        settings().params.mapping, options.map_frame, [this](const LiveMap& state, double milliseconds) { changed(state, milliseconds); }, failed);
+        settings().params.mapping, options.map_frame, new_map_file(options), start_of(options),
+        [this](const LiveMap& state, double milliseconds) { changed(state, milliseconds); }, failed);
     services_ = std::make_unique<MapServices>(getMTNodeHandle(), settings(), *back_end_, *publisher_, [this] { return live(); });
     timer_ = node.createTimer(ros::Duration(1 / options.tf_rate), [this](const ros::TimerEvent&) { send_transform(); });
 
     const ros::TransportHints hints = ros::TransportHints().tcpNoDelay();
+    pose_subscriber_ = node.subscribe<geometry_msgs::PoseWithCovarianceStamped>("initialpose", 1, &MappingNodelet::take_pose, this);
     odom_subscriber_ = node.subscribe<nav_msgs::Odometry>("odom", 100, &MappingNodelet::take_odom, this, hints);
     planes_subscriber_ = node.subscribe<sgraph_slam::PlaneSegments>("planes", 1000, &MappingNodelet::take_planes, this, hints);
     cloud_subscriber_ = node.subscribe<Cloud>("keyframe_points", 1000, &MappingNodelet::take_cloud, this, hints);
     keyframe_subscriber_ = node.subscribe<sgraph_slam::Keyframe>("keyframes", 1000, &MappingNodelet::take_keyframe, this, hints);
+  }
+
+  // Somebody shows where the robot is in the map.
+  void take_pose(const geometry_msgs::PoseWithCovarianceStampedConstPtr& message) {
+    const std::optional<Pose> T_map_base = from_message(message->pose.pose);
+    if (!T_map_base) return health().error("initial pose refused: its numbers make no sense");
+    if (message->header.frame_id != settings().ros.map_frame)
+      return health().error("initial pose refused: it is in the frame '" + message->header.frame_id + "', not '" + settings().ros.map_frame + "'");
+    back_end_->search_near(*T_map_base);
   }
 
   void take_keyframe(const sgraph_slam::KeyframeConstPtr& message) {
@@ -85,6 +98,7 @@ class MappingNodelet : public StageNodelet {
 
   void send_transform() {
     const LiveMap state = back_end_->state();
+    if (!state.placed) return;  // a frame of its own must not pass for the map's
     const std::lock_guard<std::mutex> lock(live_mutex_);
     const std::optional<ros::Time> stamp = tf_clock_->stamp(ros::Time::now());
     if (!stamp) return;
@@ -98,14 +112,16 @@ class MappingNodelet : public StageNodelet {
 
   void changed(const LiveMap& state, double milliseconds) {
     publisher_->show(state);
-    for (const Decision& d : state.decided)
-      NODELET_INFO("%s %s: %s", d.accepted ? "accepted" : "refused", d.what.c_str(), d.reason.c_str());
+    for (const Decision& d : state.decided) NODELET_INFO("%s %s: %s", d.accepted ? "accepted" : "refused", d.what.c_str(), d.reason.c_str());
     const GraphSnapshot& graph = *state.graph;
     health().worked(milliseconds);
     health().show("keyframes", static_cast<double>(graph.keyframes.size()));
     health().show("planes", static_cast<double>(graph.planes.size()));
     health().show("rooms", static_cast<double>(graph.rooms.size()));
     health().show("corridors", static_cast<double>(graph.corridors.size()));
+    if (state.localisation) {
+      health().show("place in the map", std::string(to_string(state.localisation->result)) + ": " + state.localisation->reason);
+    }
     health().show("last solve [ms]", graph.last_solve.milliseconds);
   }
 
@@ -120,6 +136,7 @@ class MappingNodelet : public StageNodelet {
   std::unique_ptr<BackEndThread> back_end_;  // uses what is above; what is below feeds it
   std::unique_ptr<MapServices> services_;
   ros::Timer timer_;
+  ros::Subscriber pose_subscriber_;
   ros::Subscriber odom_subscriber_;
   ros::Subscriber planes_subscriber_;
   ros::Subscriber cloud_subscriber_;

@@ -1,9 +1,12 @@
 #include "sgraph_slam/ros/back_end_thread.hpp"
 
 #include <algorithm>
+#include <filesystem>
 #include <future>
 
+#include "sgraph_slam/core/io/file.hpp"
 #include "sgraph_slam/core/io/temporary_clouds.hpp"
+#include "sgraph_slam/core/math/se3.hpp"
 #include "sgraph_slam/core/util/stopwatch.hpp"
 
 namespace sgraph {
@@ -26,12 +29,14 @@ GraphSnapshotPtr in_frame(const GraphSnapshotPtr& graph, const std::string& fram
 
 }  // namespace
 
-BackEndThread::BackEndThread(const MappingParams& params, const std::string& map_frame, std::function<void(const LiveMap&, double)> changed,
-                             std::function<void(const std::string&)> failed)
+BackEndThread::BackEndThread(const MappingParams& params, const std::string& map_frame, const std::string& store, SessionStart start,
+                             std::function<void(const LiveMap&, double)> changed, std::function<void(const std::string&)> failed)
     : params_(params),
       map_frame_(map_frame),
       changed_(std::move(changed)),
-      failed_(std::move(failed)),
+      failed_(failed),
+      store_path_(store),
+      start_(std::move(start)),
       state_{empty_graph(map_frame), {}},
       worker_(
           0,
@@ -61,11 +66,37 @@ std::optional<LiveMap> BackEndThread::optimize(std::chrono::milliseconds limit) 
   return result.get();
 }
 
+bool BackEndThread::begin(SessionStart start, std::chrono::milliseconds limit) {
+  const auto promise = std::make_shared<std::promise<void>>();
+  std::future<void> result = promise->get_future();
+  worker_.push([this, promise, start = std::move(start)] {
+    start_over();
+    start_ = start;
+    promise->set_value();
+  });
+  return result.wait_for(limit) == std::future_status::ready;
+}
+
+void BackEndThread::pause(bool on) {
+  worker_.push([this, on] { paused_ = on; });
+}
+
+void BackEndThread::search_near(const Pose& T_map_base) {
+  worker_.push([this, T_map_base] {
+    if (back_end_) {
+      back_end_->search_again(T_map_base);
+    } else {
+      start_.near = T_map_base;
+    }
+  });
+}
+
 bool BackEndThread::reset(std::chrono::milliseconds limit) {
   const auto promise = std::make_shared<std::promise<void>>();
   std::future<void> result = promise->get_future();
   worker_.push([this, promise] {
     start_over();
+    start_ = {};
     promise->set_value();
   });
   return result.wait_for(limit) == std::future_status::ready;
@@ -79,18 +110,59 @@ LiveMap BackEndThread::state() const {
 void BackEndThread::take(const MatchedKeyframe& matched) {
   const Keyframe& keyframe = matched.received.keyframe;
   if (back_end_ && !(last_ < keyframe.id)) start_over();
-  if (!back_end_) {
-    T_base_lidar_ = matched.received.T_base_lidar;
-    back_end_.emplace(params_, T_base_lidar_, std::make_shared<TemporaryClouds>());
-  }
+  const bool first = !back_end_;
   last_ = keyframe.id;
+  if (paused_) {
+    away_ = after_pause(keyframe);
+    return;
+  }
+  if (first) {
+    T_base_lidar_ = matched.received.T_base_lidar;
+    open_session();
+    away_.reset();
+  }
   Stopwatch watch;
-  const GraphSnapshotPtr graph = back_end_->process(keyframe, matched.segments);
+  const GraphSnapshotPtr graph = back_end_->process(after_pause(keyframe), matched.segments);
+  away_.reset();
   put(graph, watch.lap());
+}
+
+Keyframe BackEndThread::after_pause(Keyframe keyframe) {
+  if (!away_) return keyframe;
+  const Matrix6 adjoint = se3_adjoint(keyframe.T_odom_base.inverse() * away_->T_odom_base);
+  keyframe.covariance += adjoint * away_->covariance * adjoint.transpose();
+  return keyframe;
+}
+
+// A map that cannot be written is still worth mapping: that is reported, and the session goes on without a file.
+void BackEndThread::open_session() {
+  back_end_.emplace(params_, T_base_lidar_, std::make_shared<TemporaryClouds>(), start_);
+  if (store_path_.empty() || (start_.map && start_.mode == MapMode::localize)) return;
+  StoredSession session;
+  session.source = "live";
+  session.T_base_lidar = T_base_lidar_;
+  session.frame = map_frame_;
+  try {
+    if (start_.map) {
+      store_ = std::make_unique<MapStore>(start_.map->path, MapStore::Mode::extend, session, failed_);
+      recorder_ = std::make_unique<MapRecorder>(*store_, start_.map->stored);
+    } else {
+      make_folder(std::filesystem::path(store_path_).parent_path().string());
+      set_aside(store_path_);
+      store_ = std::make_unique<MapStore>(store_path_, MapStore::Mode::create, session, failed_);
+      recorder_ = std::make_unique<MapRecorder>(*store_);
+    }
+    back_end_->observe(recorder_.get());
+  } catch (const std::exception& error) {
+    failed_(std::string("no map file is written: ") + error.what());
+  }
 }
 
 void BackEndThread::start_over() {
   back_end_.reset();
+  recorder_.reset();
+  store_.reset();
+  away_.reset();
   told_ = 0;
   told_failures_ = 0;
   put(empty_graph(map_frame_), 0);
@@ -104,6 +176,8 @@ void BackEndThread::put(GraphSnapshotPtr graph, double milliseconds) {
     told_ = all.size();
     const std::vector<std::string>& failures = back_end_->failures();
     for (; told_failures_ < failures.size(); ++told_failures_) failed_(failures[told_failures_]);
+    state.placed = back_end_->is_placed();
+    state.localisation = back_end_->localisation();
   }
   {
     const std::lock_guard<std::mutex> lock(mutex_);

@@ -19,4 +19,17 @@ std::optional<std::filesystem::path> inside(const std::filesystem::path& directo
   return end == clean_root.end() ? std::optional(clean) : std::nullopt;
 }
 
+std::string new_map_file(const RosSettings& settings) { return (std::filesystem::absolute(settings.map_directory) / "map.sgmap").string(); }
+
+std::filesystem::path map_file(const std::filesystem::path& path) {
+  std::error_code error;
+  return std::filesystem::is_directory(path, error) ? path / "map.sgmap" : path;
+}
+
+SessionStart start_of(const RosSettings& settings) {
+  if (settings.map.empty()) return {};
+  // Whoever launches may name any file; services may not.
+  return make_start(map_file(std::filesystem::absolute(settings.map_directory) / settings.map).string(), settings.map_mode, settings.start);
+}
+
 }  // namespace sgraph

@@ -27,6 +27,8 @@ MapServices::MapServices(ros::NodeHandle node, const Settings& settings, BackEnd
       save_(node.advertiseService("save", &MapServices::save, this)),
       load_(node.advertiseService("load", &MapServices::load, this)),
       reset_(node.advertiseService("reset", &MapServices::reset, this)),
+      pause_(node.advertiseService("pause", &MapServices::pause, this)),
+      resume_(node.advertiseService("resume", &MapServices::resume, this)),
       optimize_(node.advertiseService("optimize", &MapServices::optimize, this)) {}
 
 bool MapServices::save(sgraph_slam::SaveMap::Request& request, sgraph_slam::SaveMap::Response& response) {
@@ -62,9 +64,34 @@ bool MapServices::save(sgraph_slam::SaveMap::Request& request, sgraph_slam::Save
 
 bool MapServices::load(sgraph_slam::LoadMap::Request& request, sgraph_slam::LoadMap::Response& response) {
   response.success = false;
-  response.message = inside(settings_.ros.map_directory, request.path)
-                         ? "taking up a saved map is not supported by this version"
-                         : "'" + request.path + "' leads out of the map directory '" + settings_.ros.map_directory + "'";
+  const auto path = inside(settings_.ros.map_directory, request.path);
+  if (!path) {
+    response.message = "'" + request.path + "' leads out of the map directory '" + settings_.ros.map_directory + "'";
+    return true;
+  }
+  try {
+    const SessionStart start = make_start(map_file(*path).string(), settings_.ros.map_mode, settings_.ros.start);
+    response.success = back_end_.begin(start, limit);
+    response.message = response.success
+                           ? contents(*start.map->snapshot) + " taken up (" + settings_.ros.map_mode + "); its place is searched from here on"
+                           : "the back end is busy: the map will be taken up";
+  } catch (const std::exception& error) {
+    response.message = error.what();
+  }
+  return true;
+}
+
+bool MapServices::pause(std_srvs::Trigger::Request&, std_srvs::Trigger::Response& response) {
+  back_end_.pause(true);
+  response.success = true;
+  response.message = "nothing enters the map until resume";
+  return true;
+}
+
+bool MapServices::resume(std_srvs::Trigger::Request&, std_srvs::Trigger::Response& response) {
+  back_end_.pause(false);
+  response.success = true;
+  response.message = "mapping goes on";
   return true;
 }
 

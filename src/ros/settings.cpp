@@ -37,6 +37,9 @@ void RosSettings::describe(ParamVisitor& v) {
   v.field("base_to_lidar", base_to_lidar,
           "Pose of the LiDAR on the robot, \"x y z yaw pitch roll\" in m and rad, published as a static transform; empty: taken from tf.");
   v.field("map_directory", map_directory, "Folder in which the services save and load maps; they can't leave it.");
+  v.field("map", map, "Map file to take up, inside the map directory; empty: a new map.");
+  v.choice("map_mode", map_mode, {"continue", "localize"}, "continue: a further session in that map; localize: it stays as it is.");
+  v.field("start", start, "Where the robot is in that map: search, first (where the map begins), or \"x y z yaw\" in m and rad.");
   v.field("use_imu", use_imu, "Whether scans wait for the inertial readings of their time.");
   v.field("scan_queue", scan_queue, "", {1, 1000}, "Scans that may wait in front of the prefilter and of the odometry; then the oldest is dropped.");
   v.field("tf_rate", tf_rate, "Hz", {1, 200}, "Rate of the transform from map to odom.");

@@ -2,10 +2,12 @@
 
 #include <chrono>
 #include <functional>
+#include <memory>
 #include <mutex>
 #include <optional>
 
-#include "sgraph_slam/core/mapping/back_end.hpp"
+#include "sgraph_slam/core/localisation/mapping_session.hpp"
+#include "sgraph_slam/core/store/map_recorder.hpp"
 #include "sgraph_slam/core/util/worker.hpp"
 #include "sgraph_slam/ros/keyframe_matcher.hpp"
 
@@ -17,6 +19,8 @@ struct LiveMap {
   Pose T_base_lidar;
   DecisionLog decided{};    ///< since the state before
   std::int64_t number = 0;  ///< counts the states, also over maps that were begun anew
+  bool placed = true;       ///< false while the place in the map that is taken up is not known: poses are in a frame of their own
+  std::optional<Localisation> localisation{};
 };
 
 /// Owns the back end on a thread of its own: no other thread touches the graph. Keyframes are never dropped: each is a part of the map. The clouds of
@@ -24,8 +28,9 @@ struct LiveMap {
 class BackEndThread {
  public:
   /// `changed` is called on the thread with each new state.
-  BackEndThread(const MappingParams& params, const std::string& map_frame, std::function<void(const LiveMap&, double milliseconds)> changed,
-                std::function<void(const std::string&)> failed);
+  /// `store`: file of new maps, empty: none is written; one that is there is kept under another name. `start`: the map to take up first.
+  BackEndThread(const MappingParams& params, const std::string& map_frame, const std::string& store, SessionStart start,
+                std::function<void(const LiveMap&, double milliseconds)> changed, std::function<void(const std::string&)> failed);
 
   /// Takes a keyframe. One that doesn't come after the last (a recording that began again) starts a new map.
   void process(MatchedKeyframe keyframe);
@@ -35,6 +40,15 @@ class BackEndThread {
 
   /// Forgets the map; the next keyframe begins another. False when it takes longer than `limit`.
   bool reset(std::chrono::milliseconds limit);
+
+  /// Ends this session; the next keyframe begins another, in the map that `start` names. False when it takes longer than `limit`.
+  bool begin(SessionStart start, std::chrono::milliseconds limit);
+
+  /// Keyframes that come while paused are left out; the first one after knows how uncertain the way between has made it.
+  void pause(bool on);
+
+  /// Searches the place in the map from the next keyframe on, near this pose of the base.
+  void search_near(const Pose& T_map_base);
 
   /// The newest state.
   [[nodiscard]] LiveMap state() const;
@@ -46,6 +60,8 @@ class BackEndThread {
 
   void take(const MatchedKeyframe& keyframe);
   void start_over();
+  void open_session();
+  [[nodiscard]] Keyframe after_pause(Keyframe keyframe);
   void put(GraphSnapshotPtr graph, double milliseconds);
 
   const MappingParams params_;
@@ -53,7 +69,14 @@ class BackEndThread {
   const std::function<void(const LiveMap&, double)> changed_;
   const std::function<void(const std::string&)> failed_;
 
-  std::optional<BackEnd> back_end_;  // this and the next are used by the thread alone
+  const std::string store_path_;
+
+  SessionStart start_;  // from here on used by the thread alone
+  std::unique_ptr<MapStore> store_;
+  std::unique_ptr<MapRecorder> recorder_;
+  std::optional<MappingSession> back_end_;  // uses the recorder
+  bool paused_ = false;
+  std::optional<Keyframe> away_;  // newest of the keyframes left out; its covariance is that of the way since the last one in the map
   KeyframeId last_;
   std::size_t told_ = 0;           // decisions
   std::size_t told_failures_ = 0;  // of steps

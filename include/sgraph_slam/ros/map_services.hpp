@@ -14,8 +14,8 @@
 
 namespace sgraph {
 
-/// The services `save`, `load`, `reset` and `optimize`. Paths are taken inside the configured map directory. Each answers within a minute, with
-/// success or with a sentence that says what is wrong.
+/// The services `save`, `load`, `pause`, `resume`, `reset` and `optimize`. Paths are taken inside the configured map directory. Each answers within a
+/// minute, with success or with a sentence that says what is wrong.
 class MapServices {
  public:
   /// `live`: the poses as they were published while the robot went.
@@ -24,6 +24,8 @@ class MapServices {
  private:
   bool save(sgraph_slam::SaveMap::Request& request, sgraph_slam::SaveMap::Response& response);
   bool load(sgraph_slam::LoadMap::Request& request, sgraph_slam::LoadMap::Response& response);
+  bool pause(std_srvs::Trigger::Request& request, std_srvs::Trigger::Response& response);
+  bool resume(std_srvs::Trigger::Request& request, std_srvs::Trigger::Response& response);
   bool reset(std_srvs::Trigger::Request& request, std_srvs::Trigger::Response& response);
   bool optimize(std_srvs::Trigger::Request& request, std_srvs::Trigger::Response& response);
 
@@ -34,6 +36,8 @@ class MapServices {
   ros::ServiceServer save_;
   ros::ServiceServer load_;
   ros::ServiceServer reset_;
+  ros::ServiceServer pause_;
+  ros::ServiceServer resume_;
   ros::ServiceServer optimize_;
 };
 

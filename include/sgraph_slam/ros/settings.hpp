@@ -18,6 +18,9 @@ struct RosSettings {
   std::string lidar_frame;
   std::string base_to_lidar;
   std::string map_directory = "maps";
+  std::string map;
+  std::string map_mode = "continue";
+  std::string start = "search";
   bool use_imu = false;
   int scan_queue = 10;
   double tf_rate = 20;

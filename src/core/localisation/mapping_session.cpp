@@ -28,6 +28,16 @@ Pose parse_start_pose(const std::string& text) {
   return {Eigen::Quaterniond(Eigen::AngleAxisd(v[3], Eigen::Vector3d::UnitZ())), v.head<3>()};
 }
 
+SessionStart make_start(const std::string& path, const std::string& mode, const std::string& start) {
+  SessionStart result;
+  if (mode != "continue" && mode != "localize") throw std::runtime_error("a map's mode is continue or localize, not '" + mode + "'");
+  result.mode = mode == "localize" ? MapMode::localize : MapMode::extend;
+  if (start != "search" && start != "first") result.near = parse_start_pose(start);
+  result.map = take_map(path);
+  if (start == "first") result.near = result.map->reference->first_pose();
+  return result;
+}
+
 MappingSession::MappingSession(const MappingParams& params, const Pose& T_base_lidar, std::shared_ptr<KeyframeClouds> clouds, SessionStart start)
     : params_(params),
       T_base_lidar_(T_base_lidar),
@@ -101,7 +111,7 @@ GraphSnapshotPtr MappingSession::track(const LocatedKeyframe& seen) {
 void MappingSession::search_again(const std::optional<Pose>& near) {
   if (!start_.map || (placed_ && start_.mode == MapMode::extend)) return;
   localiser_ = std::make_unique<Localiser>(start_.map->reference, T_base_lidar_, near);
-  before_.clear();
+  if (tracker_) before_.clear();  // these have their poses
 }
 
 GraphSnapshotPtr MappingSession::optimize() {

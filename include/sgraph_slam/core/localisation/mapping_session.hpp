@@ -27,6 +27,10 @@ struct SessionStart {
 /// A start pose from four numbers "x y z yaw" [m, rad]. Throws std::runtime_error.
 Pose parse_start_pose(const std::string& text);
 
+/// A start from words: `mode` "continue" or "localize"; `start` "search", "first" (where the map's first session began) or "x y z yaw". Throws
+/// std::runtime_error, StoreError.
+SessionStart make_start(const std::string& path, const std::string& mode, const std::string& start);
+
 /// A session of mapping: the back end of a new map, or of one that is taken up as soon as it is known where the robot is in it. Until then the
 /// session is mapped by itself; then all of its keyframes enter the map. One caller at a time.
 class MappingSession {
