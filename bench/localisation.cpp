@@ -1,7 +1,6 @@
 // Starts of a robot anywhere on the way of one run, searched for in the map of another of the same world:
 //   localisation MAP_RUN QUERY_RUN [STARTS]
 // Both are run folders of run_world (map.sgmap, ground_truth.tum). Prints how many were found, right and wrong, after how much way and time.
-#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -9,7 +8,7 @@
 #include <vector>
 
 #include "sgraph_slam/core/io/tum.hpp"
-#include "sgraph_slam/core/localisation/localiser.hpp"
+#include "sgraph_slam/core/localisation/merge_maps.hpp"
 #include "sgraph_slam/core/math/se3.hpp"
 #include "sgraph_slam/core/store/stored_map.hpp"
 #include "sgraph_slam/core/util/statistics.hpp"
@@ -20,29 +19,6 @@ namespace {
 constexpr double longest_way = 12;       // [m] after which a search is given up
 constexpr double right_distance = 0.10;  // [m]
 constexpr double right_angle = 0.01745;  // [rad]
-
-// The planes that a run's keyframes saw, as its map kept them.
-std::vector<LocatedKeyframe> seen_by(const StoredMap& map) {
-  const Pose T_lidar_base = map.sessions.begin()->second.T_base_lidar.inverse();
-  std::map<KeyframeId, LocatedKeyframe> all;
-  for (const auto& [id, keyframe] : map.keyframes) all[id].keyframe = keyframe;
-  for (const auto& [id, view] : map.views) {
-    const auto factor = map.factors.find(id);
-    const auto* data = factor != map.factors.end() ? std::get_if<PosePlane>(&factor->second.data) : nullptr;
-    const auto keyframe = all.find(view.keyframe);
-    if (data == nullptr || keyframe == all.end()) continue;
-    PlaneSegment& segment = keyframe->second.segments.segments.emplace_back();
-    segment.plane = data->measured;
-    const Eigen::Matrix3d root = data->weight.matrix();
-    segment.covariance = (root.transpose() * root).inverse();
-    for (const auto& p : view.extent) segment.extent.push_back(T_lidar_base * p);
-    for (const auto& p : segment.extent) segment.centroid += p / static_cast<double>(segment.extent.size());
-    segment.count = 100;
-  }
-  std::vector<LocatedKeyframe> result;
-  for (auto& [id, seen] : all) result.push_back(std::move(seen));
-  return result;
-}
 
 Pose truth_at(const Trajectory& truth, Stamp stamp) {
   const auto after = std::lower_bound(truth.begin(), truth.end(), stamp, [](const StampedPose& p, Stamp s) { return p.stamp < s; });
@@ -58,7 +34,7 @@ int run(const std::string& map_run, const std::string& query_run, std::size_t st
   const Trajectory map_truth = read_tum(map_run + "/ground_truth.tum");
   const Trajectory query_truth = read_tum(query_run + "/ground_truth.tum");
   const auto reference = std::make_shared<const ReferenceMap>(snapshot_of(map), map.sessions.begin()->second.T_base_lidar);
-  const std::vector<LocatedKeyframe> seen = seen_by(query);
+  const std::vector<LocatedKeyframe> seen = located_keyframes(query, query.sessions.begin()->first);
   const Pose T_base_lidar = query.sessions.begin()->second.T_base_lidar;
   // A search may need some way: the last metres of a run are no start.
   std::size_t last = seen.size();

@@ -1,10 +1,14 @@
 // Looks at map files, checks them, and makes run folders of them.
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cstdio>
+#include <ctime>
+#include <filesystem>
 #include <iostream>
 
 #include "sgraph_slam/core/io/file.hpp"
 #include "sgraph_slam/core/io/map_folder.hpp"
+#include "sgraph_slam/core/localisation/merge_maps.hpp"
 #include "sgraph_slam/core/params/params_io.hpp"
 #include "sgraph_slam/core/pipeline/pipeline.hpp"
 #include "sgraph_slam/core/store/stored_map.hpp"
@@ -33,6 +37,14 @@ void show(const std::string& path) {
                 stamp_text(s.session.started).c_str(), s.keyframes > 0 ? s.ended - s.session.started : 0.0, static_cast<long long>(s.keyframes),
                 s.path, s.session.source.c_str());
   }
+}
+
+// Pose of a session's first keyframe.
+Pose first_pose(const StoredMap& map, std::int64_t session) {
+  for (const auto& [id, pose] : map.poses) {
+    if (map.session_of.at(id) == session) return pose;
+  }
+  return {};
 }
 
 // The poses of one session's scans.
@@ -78,6 +90,84 @@ void export_map(const std::string& path, const std::string& folder) {
   std::cout << path << " exported to " << folder << std::endl;
 }
 
+// Adds the sessions of maps one by one, each into a file of its own, so that whatever happens no map is harmed; the last one becomes `out`.
+class Merger {
+ public:
+  explicit Merger(const std::string& out) : out_(out) {
+    if (std::filesystem::exists(out)) throw StoreError(out + ": it exists already");
+  }
+  ~Merger() { remove(current_); }
+  Merger(const Merger&) = delete;
+  Merger& operator=(const Merger&) = delete;
+
+  // Whether its place was found.
+  bool add(const StoredMap& map, std::int64_t session, const std::string& name, const std::optional<Pose>& near) {
+    const std::string next = out_ + ".part" + std::to_string(count_++);
+    remove(next);
+    const Localisation place = add_session(map, session, current_, next, near, MappingParams{});
+    std::cout << name << ", session " << session << ": " << to_string(place.result) << " (" << place.reason << ")" << std::endl;
+    const bool found = place.result == LocalisationResult::found;
+    remove(found ? current_ : next);
+    if (found) current_ = next;
+    return found;
+  }
+
+  void finish() {
+    std::filesystem::rename(current_, out_);
+    current_.clear();
+  }
+
+ private:
+  static void remove(const std::string& path) {
+    std::error_code error;
+    if (path.empty()) return;
+    for (const char* part : {"", "-wal", "-shm"}) std::filesystem::remove(path + part, error);
+  }
+
+  std::string out_;
+  std::string current_;
+  int count_ = 0;
+};
+
+// Joins maps of one building. Sessions that do not find their place are left out; exit status 1 then.
+int merge(const std::vector<std::string>& files, const std::string& out) {
+  Merger merger(out);
+  int refused = 0;
+  Pose T_new_old;  // a map begins where its first session does
+  for (std::size_t i = 0; i < files.size(); ++i) {
+    const StoredMap map = read_map(files[i], Clouds::all);
+    if (map.sessions.empty()) throw StoreError(files[i] + ": there is nothing in it yet");
+    if (i == 0) T_new_old = first_pose(map, map.sessions.begin()->first).inverse();
+    for (const auto& [id, session] : map.sessions) {
+      std::optional<Pose> near;  // the first file's sessions lie in one frame already
+      if (i == 0 && id != map.sessions.begin()->first) near = T_new_old * first_pose(map, id);
+      refused += merger.add(map, id, files[i], near) ? 0 : 1;
+    }
+  }
+  merger.finish();
+  if (refused > 0) std::cout << refused << " sessions are not in " << out << ": no place in the map agrees with them" << std::endl;
+  return refused > 0 ? 1 : 0;
+}
+
+// A map without some of its sessions, made again from the others.
+void split(const std::string& path, const std::vector<std::int64_t>& without, const std::string& out) {
+  const StoredMap map = read_map(path, Clouds::all);
+  for (const std::int64_t id : without) {
+    if (map.sessions.count(id) == 0) throw StoreError(path + ": there is no session " + std::to_string(id));
+  }
+  Merger merger(out);
+  std::optional<Pose> T_new_old;  // the first session that stays begins the new map's frame
+  for (const auto& [id, session] : map.sessions) {
+    if (std::find(without.begin(), without.end(), id) != without.end()) continue;
+    std::optional<Pose> near;
+    if (T_new_old) near = *T_new_old * first_pose(map, id);
+    if (!merger.add(map, id, path, near)) throw StoreError(path + ": session " + std::to_string(id) + " does not find its place without the others");
+    if (!T_new_old) T_new_old = first_pose(map, id).inverse();
+  }
+  if (!T_new_old) throw StoreError(path + ": no session would be left");
+  merger.finish();
+}
+
 int check(const std::vector<std::string>& files) {
   int bad = 0;
   for (const std::string& path : files) {
@@ -106,6 +196,14 @@ int main_of_maps(int argc, char** argv) {
   CLI::App* exporting = app.add_subcommand("export", "Write the files of a run folder: graph, clouds, grid, plans, trajectory");
   for (CLI::App* command : {info, checking}) command->add_option("FILE", files, "Map files")->required();
   exporting->add_option("FILE", files, "Map file")->required()->expected(1);
+  CLI::App* merging = app.add_subcommand("merge", "Join maps of one building; sessions of another are left out, exit status 1");
+  merging->add_option("FILE", files, "Map files; the first one's frame is kept")->required();
+  merging->add_option("-o,--out", out, "Map file to write")->required();
+  std::vector<std::int64_t> sessions;
+  CLI::App* splitting = app.add_subcommand("split", "A map without some of its sessions");
+  splitting->add_option("FILE", files, "Map file")->required()->expected(1);
+  splitting->add_option("--session", sessions, "Session to leave out (maps info shows their numbers)")->required();
+  splitting->add_option("-o,--out", out, "Map file to write")->required();
   exporting->add_option("-o,--out", out, "Folder to write")->required();
   try {
     app.parse(argc, argv);
@@ -113,6 +211,10 @@ int main_of_maps(int argc, char** argv) {
       for (const std::string& path : files) show(path);
     } else if (checking->parsed()) {
       return check(files);
+    } else if (merging->parsed()) {
+      return merge(files, out);
+    } else if (splitting->parsed()) {
+      split(files.front(), sessions, out);
     } else {
       export_map(files.front(), out);
     }

@@ -1,0 +1,72 @@
+#include "sgraph_slam/core/localisation/merge_maps.hpp"
+
+#include <Eigen/LU>
+
+#include "sgraph_slam/core/io/temporary_clouds.hpp"
+#include "sgraph_slam/core/store/map_recording.hpp"
+
+namespace sgraph {
+namespace {
+
+constexpr int enough = 100;  // inliers of a plane that a map kept: it was one
+
+}  // namespace
+
+std::vector<LocatedKeyframe> located_keyframes(const StoredMap& map, std::int64_t session) {
+  std::map<KeyframeId, LocatedKeyframe> all;
+  for (const auto& [id, keyframe] : map.keyframes) {
+    if (map.session_of.at(id) == session) all[id].keyframe = keyframe;
+  }
+  if (all.empty()) return {};
+  const Pose T_lidar_base = map.sessions.at(session).T_base_lidar.inverse();
+  for (const auto& [id, view] : map.views) {
+    const auto factor = map.factors.find(id);
+    const auto* data = factor != map.factors.end() ? std::get_if<PosePlane>(&factor->second.data) : nullptr;
+    const auto keyframe = all.find(view.keyframe);
+    if (data == nullptr || keyframe == all.end() || view.extent.empty()) continue;
+    PlaneSegment& segment = keyframe->second.segments.segments.emplace_back();
+    segment.plane = data->measured;
+    const Eigen::Matrix3d root = data->weight.matrix();
+    segment.covariance = (root.transpose() * root).inverse();
+    for (const auto& p : view.extent) segment.extent.push_back(T_lidar_base * p);
+    for (const auto& p : segment.extent) segment.centroid += p / static_cast<double>(segment.extent.size());
+    segment.count = enough;
+  }
+  const Pose T_own_map = all.begin()->second.keyframe.T_odom_base.inverse();
+  std::vector<LocatedKeyframe> result;
+  for (auto& [id, seen] : all) {
+    seen.segments.stamp = seen.keyframe.stamp;
+    seen.keyframe.id = {static_cast<std::int64_t>(result.size())};
+    seen.keyframe.T_odom_base = T_own_map * seen.keyframe.T_odom_base;
+    for (StampedPose& scan : seen.keyframe.scans) scan.pose = T_own_map * scan.pose;
+    result.push_back(std::move(seen));
+  }
+  return result;
+}
+
+Localisation add_session(const StoredMap& from, std::int64_t session, const std::string& into, const std::string& out,
+                         const std::optional<Pose>& near, const MappingParams& params) {
+  const std::vector<LocatedKeyframe> keyframes = located_keyframes(from, session);
+  const StoredSession& about = from.sessions.at(session);
+  SessionStart start;
+  if (!into.empty()) start = {take_map(into), MapMode::extend, near};
+  MappingSession mapping(params, about.T_base_lidar, std::make_shared<TemporaryClouds>(), start);
+  std::optional<MapRecording> recording;
+  if (start.map) {
+    recording.emplace(out, about, into, start.map->stored);
+  } else {
+    recording.emplace(out, about);
+  }
+  mapping.observe(&recording->observer());
+  for (const LocatedKeyframe& seen : keyframes) mapping.process(seen.keyframe, seen.segments);
+  mapping.optimize();
+  mapping.observe(nullptr);
+  recording->finish();
+  if (mapping.localisation()) return *mapping.localisation();
+  Localisation first;
+  first.result = LocalisationResult::found;
+  first.reason = "it begins the map";
+  return first;
+}
+
+}  // namespace sgraph
