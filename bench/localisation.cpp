@@ -1,5 +1,5 @@
 // Starts of a robot anywhere on the way of one run, searched for in the map of another of the same world:
-//   localisation MAP_RUN QUERY_RUN [STARTS]
+//   localisation MAP_RUN QUERY_RUN [STARTS [--stranger]]      --stranger: the runs are of different buildings, so that any place found is wrong
 // Both are run folders of run_world (map.sgmap, ground_truth.tum). Prints how many were found, right and wrong, after how much way and time.
 #include <algorithm>
 #include <cmath>
@@ -28,7 +28,7 @@ Pose truth_at(const Trajectory& truth, Stamp stamp) {
   return interpolate(before->pose, after->pose, (stamp - before->stamp) / (after->stamp - before->stamp));
 }
 
-int run(const std::string& map_run, const std::string& query_run, std::size_t starts) {
+int run(const std::string& map_run, const std::string& query_run, std::size_t starts, bool stranger) {
   const StoredMap map = read_map(map_run + "/map.sgmap", Clouds::none);
   const StoredMap query = read_map(query_run + "/map.sgmap", Clouds::none);
   const Trajectory map_truth = read_tum(map_run + "/ground_truth.tum");
@@ -72,7 +72,7 @@ int run(const std::string& map_run, const std::string& query_run, std::size_t st
     errors.push_back(error.translation.norm());
     ways.push_back(answer.travelled);
     late += answer.travelled > 5;
-    const bool good = errors.back() < right_distance && angle < right_angle;
+    const bool good = !stranger && errors.back() < right_distance && angle < right_angle;
     (good ? right : wrong) += 1;
     if (!good) std::printf("WRONG start %zu: %.3f m %.2f deg off; %s\n", first, errors.back(), angle * 180 / M_PI, answer.reason.c_str());
   }
@@ -93,7 +93,8 @@ int main(int argc, char** argv) {
     return 2;
   }
   try {
-    return sgraph::run(argv[1], argv[2], argc > 3 ? static_cast<std::size_t>(std::atoi(argv[3])) : 50);
+    return sgraph::run(argv[1], argv[2], argc > 3 ? static_cast<std::size_t>(std::atoi(argv[3])) : 50,
+                       argc > 4 && std::string(argv[4]) == "--stranger");
   } catch (const std::exception& error) {
     std::fprintf(stderr, "localisation: %s\n", error.what());
     return 1;
