@@ -1,5 +1,6 @@
 #include <geometry_msgs/PoseWithCovarianceStamped.h>
 #include <tf2_ros/transform_broadcaster.h>
+
 #include <pluginlib/class_list_macros.hpp>
 
 #include "sgraph_slam/ros/back_end_thread.hpp"

@@ -86,6 +86,17 @@ class MapStore::File {
     statements_.emplace(database_);
   }
 
+  // A finished map is one file that can be read from a read-only folder too.
+  ~File() {
+    statements_.reset();
+    try {
+      database_.execute("PRAGMA journal_mode = DELETE");
+    } catch (const StoreError&) {  // somebody reads it: the log stays and belongs to it
+    }
+  }
+  File(const File&) = delete;
+  File& operator=(const File&) = delete;
+
   void write(const std::deque<StoreBatch>& batches) {
     DatabaseTransaction transaction(database_);
     for (const StoreBatch& batch : batches) write(batch);
