@@ -42,7 +42,7 @@ TEST(BackEndThread, UnderLoadTheMapIsTheSame) {
   std::int64_t number = 0;
   bool in_order = true;
   BackEndThread thread(
-      {}, "site",
+      {}, "site", "", {},
       [&](const LiveMap& state, double) {
         ++states;
         told += state.decided.size();
@@ -85,7 +85,7 @@ TEST(BackEndThread, AServiceWaitsForWhatCameBeforeIt) {
   const auto walk = walk_with_clouds();
   std::atomic<int> states{0};
   BackEndThread thread(
-      {}, "map", [&](const LiveMap&, double) { ++states; }, [](const std::string&) {});
+      {}, "map", "", {}, [&](const LiveMap&, double) { ++states; }, [](const std::string&) {});
   EXPECT_TRUE(thread.optimize(seconds(60))->graph->keyframes.empty());
   for (const SeenKeyframe& seen : walk) thread.process(matched(seen));
   EXPECT_FALSE(thread.optimize(std::chrono::milliseconds(0)).has_value());  // busy: it will be done all the same
