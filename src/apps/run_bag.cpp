@@ -33,6 +33,7 @@ struct Options {
   std::string odometry;
   std::string base_frame;
   std::string base_to_lidar;
+  std::string lidar_frame;
   std::string odom_topic;
   std::string until = "mapping";
   std::string store;
@@ -50,12 +51,14 @@ void declare(CLI::App& app, Options& options) {
   app.add_option("--out", options.out, "Run folder to write")->required();
   app.add_option("--config", options.configs, "YAML file over the defaults; later ones win")->take_all();
   app.add_option("--set", options.assignments, "NAME=VALUE: one parameter, over the files")->take_all();
-  app.add_option("--points-topic", options.bag.points_topic, "Clouds (sensor_msgs/PointCloud2)")->capture_default_str();
+  app.add_option("--points-topic", options.bag.points_topic,
+                 "Clouds (sensor_msgs/PointCloud2) or packets (velodyne_msgs/VelodyneScan); needed when there are several");
   app.add_option("--odom-topic", options.odom_topic, "Robot's odometry (nav_msgs/Odometry); /odom with --odometry topic, else none");
   app.add_option("--imu-topic", options.bag.imu_topic, "Inertial unit (sensor_msgs/Imu); none unless given");
   app.add_option("--odometry", options.odometry, "vgicp: from the LiDAR; topic: the robot's own")->check(CLI::IsMember({"vgicp", "topic"}));
   app.add_option("--base-frame", options.base_frame, "Robot's frame (base_link)");
   app.add_option("--base-to-lidar", options.base_to_lidar, "\"X Y Z YAW PITCH ROLL\" of the LiDAR on the robot, in place of /tf_static");
+  app.add_option("--lidar-frame", options.lidar_frame, "The LiDAR's frame, where several LiDARs share the topic or clouds name none");
   app.add_option("--until", options.until, "Last stage to run")
       ->capture_default_str()
       ->check(CLI::IsMember({"prefilter", "odometry", "segmentation", "mapping"}));
@@ -91,6 +94,7 @@ Settings read_settings(const Options& options) {
     v.group("ros", settings.ros, "What the nodelets need beside; frames and mount count here too.");
   });
   if (!options.base_frame.empty()) settings.ros.base_frame = options.base_frame;
+  if (!options.lidar_frame.empty()) settings.ros.lidar_frame = options.lidar_frame;
   if (!options.base_to_lidar.empty()) settings.ros.base_to_lidar = options.base_to_lidar;
   return settings;
 }
@@ -122,6 +126,8 @@ BagOptions bag_options(const Options& options, const Settings& settings) {
   start_place(options, &bag);
   bag.odom_topic = options.odom_topic.empty() && settings.params.odometry.source == "topic" ? "/odom" : options.odom_topic;
   bag.base_frame = settings.ros.base_frame;
+  bag.lidar_frame = settings.ros.lidar_frame;
+  bag.sensor = settings.params.sensor;
   if (!settings.ros.base_to_lidar.empty()) bag.T_base_lidar = parse_mount(settings.ros.base_to_lidar);
   if (options.duration > 0) bag.duration = options.duration;
   return bag;
@@ -155,6 +161,8 @@ void map_recording(BagSource& source, Pipeline& pipeline, bool quiet, RunInfo& i
   info.cpu_seconds = cpu_seconds();
   if (!quiet) std::cerr << progress.end();
   for (const auto& [fault, count] : source.dropped()) info.dropped_before[to_string(fault)] += count;
+  info.readings_dropped = source.readings_dropped();
+  info.notes = source.notes();
 }
 
 void refuse_if_nothing_was_mapped(const Pipeline& pipeline, const RunInfo& info) {
@@ -202,6 +210,8 @@ void run(const Options& options) {
     }
     pipeline.observe(&recording->observer());
   }
+  info.sensor = source.sensor();
+  if (!options.quiet) std::cerr << source.points_topic() << ": " << source.sensor().text() << std::endl;
   map_recording(source, pipeline, options.quiet, info);
   const bool damaged = !info.stopped_by.empty() && !interrupted;
   if (damaged && pipeline.run().live_trajectory().empty()) throw std::runtime_error(info.stopped_by);
@@ -216,6 +226,10 @@ void run(const Options& options) {
     }
   }
   const RunReport report = write_run(options.out, pipeline.run(), settings.params, info);
+  if (!options.quiet) {
+    for (const std::string& note : info.notes) std::cerr << "note: " << note << '\n';
+    for (const auto& [what, count] : info.readings_dropped) std::cerr << "note: " << count << " readings left out: " << what << '\n';
+  }
   if (!options.quiet) std::cout << report_table(report) << "written to " << options.out << (interrupted ? " (interrupted)" : "") << std::endl;
   if (!store_problem.empty()) throw std::runtime_error(store_problem);
   if (damaged) throw std::runtime_error(info.stopped_by + "; what came before is in " + options.out);

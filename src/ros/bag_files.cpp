@@ -1,8 +1,11 @@
 #include "bag_files.hpp"
 
+#include <algorithm>
 #include <filesystem>
 #include <fstream>
 #include <stdexcept>
+
+#include "sgraph_slam/ros/conversions.hpp"
 
 namespace sgraph {
 namespace {
@@ -40,21 +43,38 @@ BagFiles::BagFiles(const std::vector<std::string>& paths) {
   if (types_.empty()) throw std::runtime_error(names_ + ": holds no messages");
 }
 
-void BagFiles::require(const std::string& topic, const std::string& datatype) const {
+void BagFiles::require(const std::string& topic, const std::vector<std::string>& datatypes) const {
+  const auto fits = [&datatypes](const std::string& type) { return std::find(datatypes.begin(), datatypes.end(), type) != datatypes.end(); };
   const auto found = types_.find(topic);
-  if (found != types_.end() && found->second == datatype) return;
+  if (found != types_.end() && fits(found->second)) return;
   std::string fitting;
   std::string others;
+  std::string wanted;
+  for (const std::string& type : datatypes) wanted += (wanted.empty() ? "" : " or ") + type;
   for (const auto& [name, type] : types_) {
-    if (type == datatype) {
+    if (fits(type)) {
       fitting += (fitting.empty() ? "" : ", ") + name;
     } else {
       others += (others.empty() ? "" : ", ") + name + " (" + type + ")";
     }
   }
-  const std::string wrong = found == types_.end() ? "no topic " + topic : "topic " + topic + " is a " + found->second;
-  throw std::runtime_error(names_ + ": " + wrong + "; topics of type " + datatype + ": " + (fitting.empty() ? "none" : fitting) +
+  const std::string wrong = topic.empty()           ? "no topic with clouds"
+                            : found == types_.end() ? "no topic " + topic
+                                                    : "topic " + topic + " is a " + found->second;
+  throw std::runtime_error(names_ + ": " + wrong + "; topics of type " + wanted + ": " + (fitting.empty() ? "none" : fitting) +
                            "; others: " + (others.empty() ? "none" : others));
+}
+
+std::vector<std::string> BagFiles::topics(const std::string& datatype) const {
+  std::vector<std::string> names;
+  for (const auto& [name, type] : types_) {
+    if (type == datatype) names.push_back(name);
+  }
+  return names;
+}
+
+std::size_t BagFiles::count(const std::string& topic) const {
+  return guarded(names_, [&] { return static_cast<std::size_t>(view({topic})->size()); });
 }
 
 std::unique_ptr<rosbag::View> BagFiles::view(const std::vector<std::string>& topics, ros::Time from, ros::Time to) const {
@@ -80,6 +100,36 @@ void BagFiles::read_static_transforms(StaticTransforms& transforms) const {
       if (const auto message = instance.instantiate<tf2_msgs::TFMessage>()) transforms.add(*message);
     }
   });
+}
+
+void BagFiles::read_constant_transforms(StaticTransforms& transforms) const {
+  const auto messages = view({"/tf", "tf"});
+  struct Edge {
+    geometry_msgs::TransformStamped transform;
+    Pose pose;
+    int count = 0;
+    bool constant = true;
+  };
+  std::map<std::pair<std::string, std::string>, Edge> edges;
+  guarded(names_, [&] {
+    for (const rosbag::MessageInstance& instance : *messages) {
+      const auto message = instance.instantiate<tf2_msgs::TFMessage>();
+      if (!message) continue;
+      for (const geometry_msgs::TransformStamped& transform : message->transforms) {
+        const auto pose = to_pose(transform.transform);
+        if (!pose) continue;
+        Edge& edge = edges[{transform.header.frame_id, transform.child_frame_id}];
+        if (edge.count++ == 0) edge.transform = transform, edge.pose = pose.value;
+        edge.constant = edge.constant && (pose.value.translation - edge.pose.translation).norm() < 1e-6 &&
+                        pose.value.rotation.angularDistance(edge.pose.rotation) < 1e-6;
+      }
+    }
+  });
+  tf2_msgs::TFMessage constant;
+  for (const auto& [names, edge] : edges) {
+    if (edge.constant && edge.count > 1) constant.transforms.push_back(edge.transform);
+  }
+  transforms.add(constant);
 }
 
 }  // namespace sgraph

@@ -18,8 +18,11 @@ class BagFiles {
   /// Throws std::runtime_error: a file that is missing, no bag, truncated, or all of them empty.
   explicit BagFiles(const std::vector<std::string>& paths);
 
-  /// Throws std::runtime_error, with the topics there are, unless the topic is there and of this type.
-  void require(const std::string& topic, const std::string& datatype) const;
+  /// Throws std::runtime_error, with the topics there are, unless the topic is there and of one of these types. An empty name is no topic.
+  void require(const std::string& topic, const std::vector<std::string>& datatypes) const;
+  /// The topics of a type, and how many messages one has.
+  [[nodiscard]] std::vector<std::string> topics(const std::string& datatype) const;
+  [[nodiscard]] std::size_t count(const std::string& topic) const;
 
   /// The messages of some topics within a time span, merged by their times.
   [[nodiscard]] std::unique_ptr<rosbag::View> view(const std::vector<std::string>& topics, ros::Time from = ros::TIME_MIN,
@@ -28,6 +31,8 @@ class BagFiles {
   [[nodiscard]] ros::Time begin() const;
   /// All of /tf_static, wherever in the recording it is.
   void read_static_transforms(StaticTransforms& transforms) const;
+  /// The transforms of /tf that never change: robots that publish them all there are older than /tf_static.
+  void read_constant_transforms(StaticTransforms& transforms) const;
 
   /// Runs `read` and turns what rosbag throws at damaged files into one sentence.
   template <class Read>

@@ -13,7 +13,14 @@ using sensor_msgs::PointField;
 // A sweep takes a fraction of a second; a larger offset is another unit or another clock.
 constexpr double max_time_offset = 2.0;  // [s]
 
-Converted<CloudPtr> refused(MessageFault fault, const std::string& text) { return {nullptr, fault, text}; }
+// A turn of a LiDAR with 128 beams has 0.3 million points, with two returns each; one that announces many more is no scan, and would fill the memory.
+constexpr std::uint64_t most_points = 10'000'000;
+
+// What is wrong with a message.
+struct Refusal {
+  MessageFault fault = MessageFault::none;
+  std::string text;
+};
 
 std::size_t size_of(std::uint8_t datatype) {
   switch (datatype) {
@@ -47,6 +54,23 @@ std::string field_names(const PointCloud2& message) {
   return names.empty() ? "none" : names;
 }
 
+// Fields that this package reads and that share bytes: what the one holds can't be what the other says.
+std::optional<std::string> overlap(const PointCloud2& message) {
+  std::vector<const PointField*> fields;
+  for (const char* name : {"x", "y", "z", "intensity", "ring", "time", "t", "timestamp"}) {
+    if (const PointField* field = find(message, name)) fields.push_back(field);
+  }
+  for (const PointField* a : fields) {
+    for (const PointField* b : fields) {
+      if (a != b && a->offset <= b->offset && b->offset < a->offset + size_of(a->datatype)) {
+        return "field " + a->name + " at offset " + std::to_string(a->offset) + " reaches over field " + b->name + " at offset " +
+               std::to_string(b->offset);
+      }
+    }
+  }
+  return std::nullopt;
+}
+
 // What contradicts itself in the message's layout, or nothing.
 std::optional<std::string> layout_error(const PointCloud2& message) {
   const std::uint64_t width = message.width;
@@ -63,12 +87,14 @@ std::optional<std::string> layout_error(const PointCloud2& message) {
            " bytes came";
   }
   for (const PointField& field : message.fields) {
-    if (std::uint64_t{field.offset} + size_of(field.datatype) > message.point_step) {
+    const std::uint64_t size = std::uint64_t{size_of(field.datatype)} * std::max<std::uint64_t>(field.count, 1);
+    if (field.offset + size > message.point_step) {
       return "field " + field.name + " at offset " + std::to_string(field.offset) + " reaches beyond the point of " +
              std::to_string(message.point_step) + " bytes";
     }
   }
-  return std::nullopt;
+  if (width * height > most_points) return "it announces " + std::to_string(width * height) + " points";
+  return overlap(message);
 }
 
 // Calls `take(point, value)` with the field's value at each point.
@@ -132,41 +158,38 @@ const PointField* time_field(const PointCloud2& message) {
 }
 
 // What is wrong with the fields this package reads, or `none`.
-Converted<CloudPtr> check(const PointCloud2& message) {
+Refusal check(const PointCloud2& message) {
   for (const char* name : {"x", "y", "z"}) {
     const PointField* field = find(message, name);
     if (field == nullptr) {
-      return refused(MessageFault::missing_field, std::string("the cloud has no field ") + name + " (fields: " + field_names(message) + ")");
+      return {MessageFault::missing_field, std::string("the cloud has no field ") + name + " (fields: " + field_names(message) + ")"};
     }
-    if (!is_float(*field)) return refused(MessageFault::field_type, std::string("field ") + name + " is neither float32 nor float64");
+    if (!is_float(*field)) return {MessageFault::field_type, std::string("field ") + name + " is neither float32 nor float64"};
   }
-  if (message.is_bigendian != 0) return refused(MessageFault::big_endian, "the cloud is big-endian");
+  if (message.is_bigendian != 0) return {MessageFault::big_endian, "the cloud is big-endian"};
   for (const PointField& field : message.fields) {
     if (field.count > 0 && size_of(field.datatype) == 0) {
-      return refused(MessageFault::field_type, "field " + field.name + " has the unknown type " + std::to_string(field.datatype));
+      return {MessageFault::field_type, "field " + field.name + " has the unknown type " + std::to_string(field.datatype)};
     }
   }
   const PointField* ring = find(message, "ring");
-  if (ring != nullptr && !is_unsigned(*ring)) return refused(MessageFault::field_type, "field ring is not an unsigned integer");
+  if (ring != nullptr && !is_unsigned(*ring)) return {MessageFault::field_type, "field ring is not an unsigned integer"};
   const PointField* time = time_field(message);
   if (time != nullptr && time->name == "timestamp" && time->datatype != PointField::FLOAT64) {
-    return refused(MessageFault::field_type, "field timestamp is not float64");
+    return {MessageFault::field_type, "field timestamp is not float64"};
   }
-  if (const auto error = layout_error(message)) return refused(MessageFault::layout, *error);
+  if (const auto error = layout_error(message)) return {MessageFault::layout, *error};
   return {};
 }
 
-}  // namespace
-
-Converted<CloudPtr> to_cloud(const PointCloud2& message) {
-  if (auto checked = check(message); !checked) return checked;
-  auto cloud = std::make_shared<Cloud>();
-  cloud->stamp = to_stamp(message.header.stamp);
-  cloud->frame = frame_name(message.header.frame_id);
-  auto& points = cloud->points;
+// Everything but the times.
+Cloud without_times(const PointCloud2& message) {
+  Cloud cloud;
+  cloud.stamp = to_stamp(message.header.stamp);
+  cloud.frame = frame_name(message.header.frame_id);
+  auto& points = cloud.points;
   points.resize(std::size_t{message.width} * message.height);
-  if (points.empty()) return {cloud, MessageFault::none, ""};
-
+  if (points.empty()) return cloud;
   each_number(message, *find(message, "x"), points, [](Point& point, auto value) { point.x = static_cast<float>(value); });
   each_number(message, *find(message, "y"), points, [](Point& point, auto value) { point.y = static_cast<float>(value); });
   each_number(message, *find(message, "z"), points, [](Point& point, auto value) { point.z = static_cast<float>(value); });
@@ -176,14 +199,40 @@ Converted<CloudPtr> to_cloud(const PointCloud2& message) {
   if (const PointField* field = find(message, "ring")) {
     each_number(message, *field, points, [](Point& point, auto value) { point.ring = static_cast<std::uint16_t>(value); });
   }
+  return cloud;
+}
+
+}  // namespace
+
+Converted<CloudPtr> to_cloud(const PointCloud2& message) {
+  if (const Refusal refusal = check(message); refusal.fault != MessageFault::none) return {nullptr, refusal.fault, refusal.text};
+  auto cloud = std::make_shared<Cloud>(without_times(message));
+  if (cloud->empty()) return {cloud, MessageFault::none, ""};
   if (const PointField* field = time_field(message)) {
-    const double largest = read_times(message, *field, points);
+    const double largest = read_times(message, *field, cloud->points);
     if (largest > max_time_offset) {
-      return refused(MessageFault::times,
-                     "field " + field->name + " puts points " + std::to_string(largest) + " s away from the cloud's stamp: another unit or clock");
+      return {nullptr, MessageFault::times,
+              "field " + field->name + " puts points " + std::to_string(largest) + " s away from the cloud's stamp: another unit or clock"};
     }
   }
   return {cloud, MessageFault::none, ""};
+}
+
+Converted<RawScan> to_raw_scan(const PointCloud2& message, const std::optional<ros::Time>& received) {
+  if (const Refusal refusal = check(message); refusal.fault != MessageFault::none) return {{}, refusal.fault, refusal.text};
+  Converted<RawScan> result;
+  RawScan& raw = result.value;
+  raw.cloud = without_times(message);
+  raw.has_ring = find(message, "ring") != nullptr;
+  raw.has_intensity = find(message, "intensity") != nullptr;
+  if (received) raw.received = to_stamp(*received);
+  const PointField* field = time_field(message);
+  if (field == nullptr || raw.cloud.empty()) return result;
+  raw.time_field = field->name;
+  raw.integer_times = !is_float(*field);
+  raw.times.reserve(raw.cloud.size());
+  each_number(message, *field, raw.cloud.points, [&raw](Point&, auto value) { raw.times.push_back(static_cast<double>(value)); });
+  return result;
 }
 
 }  // namespace sgraph

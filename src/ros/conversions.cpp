@@ -25,6 +25,9 @@ const char* to_string(MessageFault value) {
     case MessageFault::layout: return "layout";
     case MessageFault::big_endian: return "big_endian";
     case MessageFault::times: return "times";
+    case MessageFault::beams: return "beams";
+    case MessageFault::frame: return "frame";
+    case MessageFault::stamp: return "stamp";
     case MessageFault::not_finite: return "not_finite";
     case MessageFault::quaternion: break;
   }

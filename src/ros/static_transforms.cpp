@@ -11,7 +11,17 @@ void StaticTransforms::add(const tf2_msgs::TFMessage& message) {
     transform.header.frame_id = frame_name(transform.header.frame_id);
     transform.child_frame_id = frame_name(transform.child_frame_id);
     const std::string edge = transform.header.frame_id + " -> " + transform.child_frame_id;
-    if (const auto pose = to_pose(transform.transform); !pose) throw std::runtime_error("/tf_static: " + edge + ": " + pose.text);
+    const auto pose = to_pose(transform.transform);
+    if (!pose) {
+      notes_.push_back("the transform " + edge + " is left out: " + pose.text);
+      continue;
+    }
+    if (const auto [known, is_new] = known_.try_emplace(edge, pose.value); !is_new) {
+      const bool same = (pose.value.translation - known->second.translation).norm() < 1e-4 &&
+                        pose.value.rotation.angularDistance(known->second.rotation) < 1e-4;  // [m], [rad] what rounding does
+      if (!same) notes_.push_back("the static transform " + edge + " changes within the recording; the first is kept");
+      continue;
+    }
     buffer_.setTransform(transform, "recording", true);
     edges_.insert(edge);
   }
@@ -31,6 +41,10 @@ void StaticTransforms::add(const std::string& parent, const std::string& child, 
   tf2_msgs::TFMessage message;
   message.transforms.push_back(transform);
   add(message);
+}
+
+bool StaticTransforms::connects(const std::string& target, const std::string& source) const {
+  return target == source || buffer_.canTransform(target, source, ros::Time(0));
 }
 
 Pose StaticTransforms::lookup(const std::string& target, const std::string& source) const {

@@ -6,8 +6,10 @@
 #include <sensor_msgs/Imu.h>
 #include <sensor_msgs/PointCloud2.h>
 
+#include <optional>
 #include <string>
 
+#include "sgraph_slam/core/sensor/raw_scan.hpp"
 #include "sgraph_slam/core/types/cloud.hpp"
 #include "sgraph_slam/core/types/pose.hpp"
 #include "sgraph_slam/core/types/sensor.hpp"
@@ -22,6 +24,9 @@ enum class MessageFault {
   layout,         ///< steps, offsets and sizes that contradict each other or the data
   big_endian,     ///< a cloud in the other byte order
   times,          ///< per-point times that have nothing to do with the cloud's stamp
+  beams,          ///< points that lie on none of the sensor's beams: the data isn't what the fields say
+  frame,          ///< a cloud of another frame than the others, or of none
+  stamp,          ///< a stamp of zero, or far from the time of recording
   not_finite,     ///< NaN or infinite where a pose or a reading should be
   quaternion,     ///< a rotation whose quaternion is not of length 1
 };
@@ -49,6 +54,9 @@ ros::Time to_ros_time(Stamp stamp);
 ///   `timestamp` (absolute, float64; Hesai, RoboSense).
 /// A missing intensity, ring or time is 0. Organised clouds are taken row by row; points that are NaN are kept.
 Converted<CloudPtr> to_cloud(const sensor_msgs::PointCloud2& message);
+
+/// The same cloud with its times as the field holds them, for the SensorAdapter to recognise. `received`: when the message was recorded.
+Converted<RawScan> to_raw_scan(const sensor_msgs::PointCloud2& message, const std::optional<ros::Time>& received = std::nullopt);
 
 /// `R_base_imu` turns the unit's axes into the base's. The lever arm between the two is not taken out of the acceleration.
 Converted<ImuSample> to_imu_sample(const sensor_msgs::Imu& message, const Eigen::Quaterniond& R_base_imu);

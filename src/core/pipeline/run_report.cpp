@@ -52,6 +52,21 @@ Json to_json(const Localisation& place) {
   return json;
 }
 
+Json to_json(const SensorDescription& sensor) {
+  return {{"model", sensor.model},
+          {"rings", sensor.rings},
+          {"ring_source", sensor.ring_source},
+          {"elevations_deg", sensor.elevations_deg},
+          {"vertical_offsets", sensor.vertical_offsets},
+          {"vertical_offsets_m", sensor.vertical_offsets_m},
+          {"sweep", sensor.sweep},
+          {"turn_s", sensor.turn},
+          {"coverage_deg", sensor.coverage_deg},
+          {"slices", sensor.slices},
+          {"times", {{"source", sensor.time_source}, {"unit", sensor.time_unit}, {"origin", sensor.time_origin}, {"stamp", sensor.stamp}}},
+          {"intensity", sensor.intensity}};
+}
+
 template <class... Values>
 std::string format(const char* pattern, Values... values) {
   std::array<char, 256> text{};
@@ -142,6 +157,9 @@ std::string report_json(const RunReport& report) {
     const RecordingFigures& store = *report.info.store;
     json["store"] = {{"path", store.path}, {"bytes", store.bytes}, {"cpu_seconds", store.cpu_seconds}};
   }
+  if (report.info.sensor) json["sensor"] = to_json(*report.info.sensor);
+  if (!report.info.readings_dropped.empty()) json["readings_dropped"] = report.info.readings_dropped;
+  if (!report.info.notes.empty()) json["notes"] = report.info.notes;
   return json.dump(1) + '\n';
 }
 

@@ -7,11 +7,13 @@
 #include "sgraph_slam/core/odometry/params.hpp"
 #include "sgraph_slam/core/prefilter/params.hpp"
 #include "sgraph_slam/core/segmentation/params.hpp"
+#include "sgraph_slam/core/sensor/params.hpp"
 
 namespace sgraph {
 
 /// Every parameter of the package, a struct a stage.
 struct Params {
+  SensorParams sensor;
   PrefilterParams prefilter;
   OdometryParams odometry;
   SegmentationParams segmentation;
@@ -19,6 +21,7 @@ struct Params {
   OutputParams output;
 
   void describe(ParamVisitor& v) {
+    v.group("sensor", sensor, "Conventions of the LiDAR's clouds; `auto`: recognised from the first ones (docs/sensors.md).");
     v.group("prefilter", prefilter, "Thins a raw scan and drops what can't be a surface.");
     v.group("odometry", odometry, "Motion of the robot, local map, keyframes.");
     v.group("segmentation", segmentation, "Planes in a keyframe's cloud.");
