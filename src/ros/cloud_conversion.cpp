@@ -157,8 +157,11 @@ const PointField* time_field(const PointCloud2& message) {
   return nullptr;
 }
 
+// Whether numbers may be of any type, or only of those that this package's own messages and the usual drivers have.
+enum class Strictness { own_types, any_driver };
+
 // What is wrong with the fields this package reads, or `none`.
-Refusal check(const PointCloud2& message) {
+Refusal check(const PointCloud2& message, Strictness strictness) {
   for (const char* name : {"x", "y", "z"}) {
     const PointField* field = find(message, name);
     if (field == nullptr) {
@@ -172,13 +175,14 @@ Refusal check(const PointCloud2& message) {
       return {MessageFault::field_type, "field " + field.name + " has the unknown type " + std::to_string(field.datatype)};
     }
   }
+  if (const auto error = layout_error(message)) return {MessageFault::layout, *error};
+  if (strictness == Strictness::any_driver) return {};
   const PointField* ring = find(message, "ring");
   if (ring != nullptr && !is_unsigned(*ring)) return {MessageFault::field_type, "field ring is not an unsigned integer"};
   const PointField* time = time_field(message);
   if (time != nullptr && time->name == "timestamp" && time->datatype != PointField::FLOAT64) {
     return {MessageFault::field_type, "field timestamp is not float64"};
   }
-  if (const auto error = layout_error(message)) return {MessageFault::layout, *error};
   return {};
 }
 
@@ -197,7 +201,11 @@ Cloud without_times(const PointCloud2& message) {
     each_number(message, *field, points, [](Point& point, auto value) { point.intensity = static_cast<float>(value); });
   }
   if (const PointField* field = find(message, "ring")) {
-    each_number(message, *field, points, [](Point& point, auto value) { point.ring = static_cast<std::uint16_t>(value); });
+    each_number(message, *field, points, [](Point& point, auto value) {
+      // What is no small whole number is no ring; converting it would be undefined.
+      const auto number = static_cast<double>(value);
+      point.ring = number >= 0 && number <= 65535 ? static_cast<std::uint16_t>(number) : std::uint16_t{65535};
+    });
   }
   return cloud;
 }
@@ -205,7 +213,8 @@ Cloud without_times(const PointCloud2& message) {
 }  // namespace
 
 Converted<CloudPtr> to_cloud(const PointCloud2& message) {
-  if (const Refusal refusal = check(message); refusal.fault != MessageFault::none) return {nullptr, refusal.fault, refusal.text};
+  if (const Refusal refusal = check(message, Strictness::own_types); refusal.fault != MessageFault::none)
+    return {nullptr, refusal.fault, refusal.text};
   auto cloud = std::make_shared<Cloud>(without_times(message));
   if (cloud->empty()) return {cloud, MessageFault::none, ""};
   if (const PointField* field = time_field(message)) {
@@ -219,7 +228,7 @@ Converted<CloudPtr> to_cloud(const PointCloud2& message) {
 }
 
 Converted<RawScan> to_raw_scan(const PointCloud2& message, const std::optional<ros::Time>& received) {
-  if (const Refusal refusal = check(message); refusal.fault != MessageFault::none) return {{}, refusal.fault, refusal.text};
+  if (const Refusal refusal = check(message, Strictness::any_driver); refusal.fault != MessageFault::none) return {{}, refusal.fault, refusal.text};
   Converted<RawScan> result;
   RawScan& raw = result.value;
   raw.cloud = without_times(message);

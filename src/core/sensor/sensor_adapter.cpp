@@ -339,7 +339,9 @@ void SensorAdapter::decide_times() {
       return;
     }
   }
-  const bool zero_field = !sample_->time_field.empty() && spans.empty();
+  // All zero: somebody has taken the motion out. All the same number: nobody knows what.
+  const bool zero_field = !sample_->time_field.empty() && spans.empty() &&
+                          std::all_of(looks_.begin(), looks_.end(), [](const Look& look) { return look.time_first == 0; });
   const bool azimuth_wanted = params_.times == "azimuth" || (params_.times == "auto" && !zero_field);
   const bool in_order = turn_sign_ != 0 && !looks_.empty() && table_ && (table_->sharp || params_.times == "azimuth");
   if (azimuth_wanted && in_order) {

@@ -269,8 +269,9 @@ TEST_F(BagSourceTest, TopicsThatAreMissingOrOfAnotherTypeAreNamedWithThoseThere)
   rosbag::Bag(file, rosbag::bagmode::Append).write("/odom", at(0), odometry(0, 0));
   BagOptions wrong = options(file);
   wrong.points_topic = "/points";
-  EXPECT_THAT(error_of(wrong),
-              AllOf(HasSubstr("no topic /points"), HasSubstr("sensor_msgs/PointCloud2: /velodyne_points;"), HasSubstr("/odom (nav_msgs/Odometry)")));
+  EXPECT_THAT(error_of(wrong), AllOf(HasSubstr("no topic /points"),
+                                     HasSubstr("topics of type sensor_msgs/PointCloud2 or velodyne_msgs/VelodyneScan: /velodyne_points;"),
+                                     HasSubstr("/odom (nav_msgs/Odometry)")));
   wrong.points_topic = "/odom";
   EXPECT_THAT(error_of(wrong), HasSubstr("topic /odom is a nav_msgs/Odometry"));
   wrong = options(file);
@@ -302,8 +303,17 @@ TEST_F(BagSourceTest, CloudsThatCannotBeUsed) {
 
 TEST_F(BagSourceTest, ASecondLidarOnTheTopicIsRefused) {
   const std::string file = plain();
-  rosbag::Bag(file, rosbag::bagmode::Append).write("/velodyne_points", at(2), cloud(2, "rear_lidar"));
-  EXPECT_THAT(error_of(options(file)), HasSubstr("changes from velodyne to rear_lidar"));
+  // One scan of another frame is left out (test Faults); a second LiDAR must be chosen.
+  {
+    rosbag::Bag bag(file, rosbag::bagmode::Append);
+    for (int i = 0; i < 10; ++i) bag.write("/velodyne_points", at(0.1 * i + 0.01), cloud(0.1 * i, "rear_lidar"));
+  }
+  EXPECT_THAT(error_of(options(file)), HasSubstr("several LiDARs share /velodyne_points: rear_lidar, velodyne; choose one with --lidar-frame"));
+  BagOptions chosen = options(file);
+  chosen.lidar_frame = "velodyne";
+  BagSource source(chosen);
+  EXPECT_EQ(all(source).size(), 10U);
+  EXPECT_EQ(source.dropped().at(MessageFault::frame), 10);
 }
 
 }  // namespace
