@@ -128,10 +128,14 @@ class BagSource::Implementation {
       if (stamps_missing_) raw.cloud.stamp = *raw.received;
       lags.push_back(*raw.received - raw.cloud.stamp);
     }
-    std::nth_element(lags.begin(), lags.begin() + static_cast<std::ptrdiff_t>(lags.size() / 2), lags.end());
-    usual_lag_ = lags[lags.size() / 2];
-    for (const RawScan& raw : shown) {
-      if (of_this_lidar(raw.cloud.frame) && !stamp_is_off(raw)) adapter_.look(raw);
+    std::vector<double> sorted = lags;
+    // Stamps at the beginning that agree with none of the next two.
+    const auto apart = [&lags](std::size_t a, std::size_t b) { return std::abs(lags[a] - lags[b]) > StampFilter::far; };
+    while (leading_ + 2 < lags.size() && apart(leading_, leading_ + 1) && apart(leading_, leading_ + 2)) ++leading_;
+    std::nth_element(sorted.begin(), sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2), sorted.end());
+    const double usual = sorted[sorted.size() / 2];
+    for (std::size_t i = 0; i < shown.size(); ++i) {
+      if (of_this_lidar(shown[i].cloud.frame) && std::abs(lags[i] - usual) < StampFilter::far) adapter_.look(shown[i]);
     }
     adapter_.settle();
   }
@@ -224,9 +228,6 @@ class BagSource::Implementation {
 
   [[nodiscard]] bool of_this_lidar(const std::string& frame) const { return renamed_ || frame == lidar_frame; }
 
-  // Before the first scan there is none to compare a stamp with but those that follow.
-  [[nodiscard]] bool stamp_is_off(const RawScan& raw) const { return std::abs((*raw.received - raw.cloud.stamp) - usual_lag_) > StampFilter::far; }
-
   void take_scan(const rosbag::MessageInstance& instance) {
     auto raw = raw_scan(instance);
     if (!raw) {
@@ -238,11 +239,11 @@ class BagSource::Implementation {
       return;
     }
     raw.value.cloud.frame = lidar_frame;
-    if (!begun_ && stamp_is_off(raw.value)) {
+    if (leading_ > 0) {
+      --leading_;
       ++dropped[MessageFault::stamp];
       return;
     }
-    begun_ = true;
     const std::optional<Stamp> received = raw.value.received;
     hand_on(adapter_.take(std::move(raw.value)), received);
   }
@@ -304,8 +305,7 @@ class BagSource::Implementation {
   std::set<std::string> placed_;  // topics whose frame could be placed once
   bool renamed_ = false;          // every scan is taken for one of lidar_frame
   bool stamps_missing_ = false;
-  bool begun_ = false;                    // a scan with a plausible stamp has been seen
-  double usual_lag_ = 0;                  // from stamp to recording [s]
+  std::size_t leading_ = 0;               // scans at the beginning whose stamps are wrong
   boost::shared_ptr<const void> holder_;  // of the message at hand
   bool closed_ = false;
 };

@@ -12,6 +12,8 @@ constexpr double full_turn = 2 * M_PI;
 constexpr double covers_turn = 300 * M_PI / 180;  // a sensor looks past the robot's mast; a cloud of less is a slice or of a narrower sensor
 constexpr int least_points = 50;                  // that show anything of the conventions
 constexpr std::size_t sample_points = 60'000;     // from which the beams are learnt
+constexpr std::size_t most_shown = 12;            // whole turns that are compared with each other
+constexpr int refused_to_relearn = 10;            // clouds in a row that lie on none of the beams: it's the beams that are wrong
 constexpr std::size_t looks_for_spacing = 4;      // clouds that tell the time between them
 constexpr double largest_offset = 2.0;            // [s] from the stamp; a larger one is another unit or clock
 constexpr double longest_turn = 0.6;              // [s] 1.7 Hz
@@ -71,6 +73,25 @@ bool lies_on_cones(const RingTable& table, const Cloud& cloud) {
     if (valid(cloud.points[i])) away.push_back(distance_to_cone(table, cloud.points[i]));
   }
   return !away.empty() && median_of(away) < 0.003;  // [m] drivers round to millimetres; a turn's motion is centimetres
+}
+
+// Whether most points are at the elevation of a beam, of their own where the cloud numbers them.
+bool lies_on_beams(const RingTable& table, bool by_field, const Cloud& cloud) {
+  const double span = std::atan(table.cones.back().slope) - std::atan(table.cones.front().slope);
+  const double allowed = std::max(0.5 * span / std::max(1, table.rows() - 1), 0.02);  // [rad] half the spacing, or a degree
+  std::vector<double> errors;
+  const std::size_t stride = std::max<std::size_t>(1, cloud.size() / 400);
+  std::size_t looked_at = 0;
+  for (std::size_t i = 0; i < cloud.size(); i += stride) {
+    const Point& p = cloud.points[i];
+    ++looked_at;
+    if (!valid(p) || std::hypot(static_cast<double>(p.x), static_cast<double>(p.y)) < 0.5) continue;
+    const bool known = p.ring < table.row_of_ring.size() && table.row_of_ring[p.ring] >= 0;
+    if (by_field && !known) continue;
+    errors.push_back(elevation_error(table, p, by_field ? table.row_of_ring[p.ring] : table.nearest_row(p)));
+  }
+  if (errors.size() < 20) return true;  // all but empty: for others to judge
+  return median_of(errors) < allowed;
 }
 
 }  // namespace
@@ -160,6 +181,7 @@ void SensorAdapter::look(const RawScan& raw) {
   } else if (sample_->cloud.size() + raw.cloud.size() <= sample_points) {
     sample_->cloud.points.insert(sample_->cloud.points.end(), raw.cloud.points.begin(), raw.cloud.points.end());
   }
+  if (shown_.size() < most_shown && seen.coverage > covers_turn) shown_.push_back(raw);
   if (!raw.has_ring) {  // the order shows only within a ring
     if (!table_) table_ = table_by_elevation(raw.cloud);
     if (!table_) table_ = table_by_elevation(sample_->cloud);
@@ -201,17 +223,35 @@ void SensorAdapter::decide() {
   decide_times();
   if (turn_sign_ != 0) description_.sweep = turn_sign_ < 0 ? "clockwise" : "counterclockwise";
   sample_.reset();
+  shown_.clear();
+}
+
+// Of the tables that single turns give, the one on which most of the turns lie: a cloud that isn't what its fields say may be among them.
+std::optional<RingTable> SensorAdapter::agreed_table(std::optional<RingTable> (*learn)(const Cloud&), bool by_field) const {
+  std::optional<RingTable> best;
+  int most = 0;
+  for (const RawScan& candidate : shown_) {
+    auto table = learn(candidate.cloud);
+    if (!table || !table->sharp) continue;
+    int agreeing = 0;
+    for (const RawScan& other : shown_) agreeing += lies_on_beams(*table, by_field, other.cloud);
+    if (agreeing <= most) continue;
+    most = agreeing;
+    best = std::move(table);
+    if (2 * static_cast<std::size_t>(agreeing) > shown_.size()) break;
+  }
+  return best ? best : learn(sample_->cloud);
 }
 
 void SensorAdapter::decide_rings() {
   const bool wanted = params_.rings == "auto";
   std::optional<RingTable> by_field;
-  if (sample_->has_ring && (wanted || params_.rings == "field")) by_field = table_by_ring(sample_->cloud);
+  if (sample_->has_ring && (wanted || params_.rings == "field")) by_field = agreed_table(table_by_ring, true);
   table_.reset();
   description_.ring_source = by_field ? "field" : "none";
   if (by_field) table_ = by_field;
   if ((wanted && !(by_field && by_field->sharp)) || params_.rings == "elevation") {
-    const auto by_elevation = table_by_elevation(sample_->cloud);
+    const auto by_elevation = agreed_table(table_by_elevation, false);
     // Numbers that contradict the elevations are no ring numbers.
     if (by_elevation && (!by_field || (by_elevation->sharp && !by_field->sharp))) {
       table_ = by_elevation;
@@ -376,11 +416,16 @@ AdaptedScans SensorAdapter::flush() {
 
 AdaptedScans SensorAdapter::adapt(RawScan raw) {
   AdaptedScans result;
-  if (!on_beams(raw)) {
+  if (!on_beams(raw) && ++refused_ >= refused_to_relearn) {
+    *this = SensorAdapter(params_);
+    return take(std::move(raw));
+  }
+  if (refused_ > 0 && !on_beams(raw)) {
     result.fault = RawFault::beams;
     result.text = "the points lie on none of the sensor's beams: the cloud's layout isn't what its fields say, or another sensor took it";
     return result;
   }
+  refused_ = 0;
   number_rings(raw);
   if (!set_times(raw, result.text)) {
     result.fault = RawFault::times;
@@ -396,22 +441,7 @@ AdaptedScans SensorAdapter::adapt(RawScan raw) {
 
 bool SensorAdapter::on_beams(const RawScan& raw) const {
   if (!table_ || !table_->sharp || raw.cloud.size() < static_cast<std::size_t>(least_points)) return true;
-  const bool by_field = description_.ring_source == "field";
-  const double span = std::atan(table_->cones.back().slope) - std::atan(table_->cones.front().slope);
-  const double allowed = std::max(0.5 * span / std::max(1, table_->rows() - 1), 0.02);  // [rad] half the spacing, or a degree
-  std::vector<double> errors;
-  const std::size_t stride = std::max<std::size_t>(1, raw.cloud.size() / 400);
-  std::size_t looked_at = 0;
-  for (std::size_t i = 0; i < raw.cloud.size(); i += stride) {
-    const Point& p = raw.cloud.points[i];
-    ++looked_at;
-    if (!valid(p) || std::hypot(static_cast<double>(p.x), static_cast<double>(p.y)) < 0.5) continue;
-    const bool known = p.ring < table_->row_of_ring.size() && table_->row_of_ring[p.ring] >= 0;
-    if (by_field && !known) continue;
-    errors.push_back(elevation_error(*table_, p, by_field ? table_->row_of_ring[p.ring] : table_->nearest_row(p)));
-  }
-  if (errors.size() < 20) return true;  // all but empty: for others to judge
-  return median_of(errors) < allowed;
+  return lies_on_beams(*table_, description_.ring_source == "field", raw.cloud);
 }
 
 void SensorAdapter::number_rings(RawScan& raw) const {

@@ -212,7 +212,9 @@ TEST_F(BagSourceTest, OdometryOfAnotherFrameIsMovedToTheBase) {
   EXPECT_EQ(samples, 1);
 
   rosbag::Bag(file, rosbag::bagmode::Append).write("/lio", at(0.6), odometry(0.6, 3, "gimbal"));
-  EXPECT_THAT(error_of(with_odometry), AllOf(HasSubstr("/lio"), HasSubstr("gimbal")));
+  BagSource mixed(with_odometry);
+  all(mixed);
+  EXPECT_EQ(mixed.readings_dropped().at("/lio frame"), 1);
 }
 
 TEST_F(BagSourceTest, StartAndDurationSelect) {
@@ -292,6 +294,7 @@ TEST_F(BagSourceTest, CloudsThatCannotBeUsed) {
   }
   // Among good ones it is left out and counted.
   BagOptions chosen = options(file);
+  chosen.points_topic = "/velodyne_points";
   chosen.base_frame = "velodyne";
   BagSource source(chosen);
   EXPECT_EQ(all(source).size(), 2U);

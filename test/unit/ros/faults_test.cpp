@@ -794,6 +794,8 @@ TEST_P(Faults, Outcome) {
   }
 }
 
+void PrintTo(const Fault& fault, std::ostream* to) { *to << fault.name; }
+
 std::string name_of(const testing::TestParamInfo<Fault>& info) {
   std::string name;
   for (const char c : std::string(info.param.name)) name += std::isalnum(static_cast<unsigned char>(c)) != 0 ? c : '_';

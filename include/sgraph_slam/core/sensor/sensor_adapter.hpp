@@ -64,6 +64,7 @@ class SensorAdapter {
   [[nodiscard]] bool enough() const;
   void decide();
   void decide_rings();
+  [[nodiscard]] std::optional<RingTable> agreed_table(std::optional<RingTable> (*learn)(const Cloud&), bool by_field) const;
   void decide_slices();
   void decide_times();
   void decide_turn();
@@ -78,8 +79,10 @@ class SensorAdapter {
   SensorDescription description_;
   bool decided_ = false;
   std::vector<Look> looks_;
-  std::optional<RawScan> sample_;  // the fullest cloud seen: the rings are learnt from it
+  std::optional<RawScan> sample_;  // of the points of the first clouds; the rest is the first one's
+  std::vector<RawScan> shown_;     // whole turns
   std::optional<RingTable> table_;
+  int refused_ = 0;            // clouds in a row that lie on none of the beams
   double time_scale_ = 1;      // seconds a unit of the field, negative when it counts backwards
   double turn_sign_ = 0;       // +1 counter-clockwise
   double stamp_fraction_ = 1;  // of the turn that has passed at the stamp, for times from the azimuth
