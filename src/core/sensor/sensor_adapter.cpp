@@ -87,7 +87,10 @@ bool lies_on_beams(const RingTable& table, bool by_field, const Cloud& cloud) {
     ++looked_at;
     if (!valid(p) || std::hypot(static_cast<double>(p.x), static_cast<double>(p.y)) < 0.5) continue;
     const bool known = p.ring < table.row_of_ring.size() && table.row_of_ring[p.ring] >= 0;
-    if (by_field && !known) continue;
+    if (by_field && !known) {
+      errors.push_back(M_PI);  // a beam that the sensor doesn't have
+      continue;
+    }
     errors.push_back(elevation_error(table, p, by_field ? table.row_of_ring[p.ring] : table.nearest_row(p)));
   }
   if (errors.size() < 20) return true;  // all but empty: for others to judge
