@@ -165,16 +165,21 @@ int RingTable::nearest_row(const Point& point) const {
 
 std::optional<RingTable> table_by_ring(const Cloud& cloud) {
   std::vector<ConeSums> sums;
+  double all = 0, in_rings = 0;
   for (const Point& p : cloud.points) {
-    if (!tells(p, least_distance) || p.ring >= 1024) continue;
+    if (!tells(p, least_distance)) continue;
+    ++all;
+    if (p.ring >= 1024) continue;
     if (p.ring >= sums.size()) sums.resize(std::size_t{p.ring} + 1);
     sums[p.ring].add(distance_of(p), static_cast<double>(p.z));
   }
   std::vector<std::pair<double, std::size_t>> order;
   for (std::size_t ring = 0; ring < sums.size(); ++ring) {
-    if (sums[ring].n >= least_points) order.emplace_back(sums[ring].cone().slope, ring);
+    if (sums[ring].n < least_points) continue;
+    order.emplace_back(sums[ring].cone().slope, ring);
+    in_rings += sums[ring].n;
   }
-  if (order.size() < 2) return std::nullopt;
+  if (order.size() < 2 || in_rings < 0.8 * all) return std::nullopt;  // numbers of something else
   std::sort(order.begin(), order.end());
   RingTable table;
   table.row_of_ring.assign(sums.size(), -1);
