@@ -34,6 +34,7 @@ struct Options {
   std::string base_frame;
   std::string base_to_lidar;
   std::string lidar_frame;
+  std::string calibration;
   std::string odom_topic;
   std::string until = "mapping";
   std::string store;
@@ -58,6 +59,7 @@ void declare(CLI::App& app, Options& options) {
   app.add_option("--odometry", options.odometry, "vgicp: from the LiDAR; topic: the robot's own")->check(CLI::IsMember({"vgicp", "topic"}));
   app.add_option("--base-frame", options.base_frame, "Robot's frame (base_link)");
   app.add_option("--base-to-lidar", options.base_to_lidar, "\"X Y Z YAW PITCH ROLL\" of the LiDAR on the robot, in place of /tf_static");
+  app.add_option("--calibration", options.calibration, "calibration.yaml of an earlier run, to begin with");
   app.add_option("--lidar-frame", options.lidar_frame, "The LiDAR's frame, where several LiDARs share the topic or clouds name none");
   app.add_option("--until", options.until, "Last stage to run")
       ->capture_default_str()
@@ -88,6 +90,7 @@ Settings read_settings(const Options& options) {
   }
   for (const std::string& assignment : options.assignments) set_value(values, assignment);
   if (!options.odometry.empty()) values["odometry.source"] = options.odometry;
+  if (!options.calibration.empty()) values["odometry.calibration.file"] = options.calibration;
   Settings settings;
   apply_values(values, [&settings](ParamVisitor& v) {
     settings.params.describe(v);
@@ -163,6 +166,7 @@ void map_recording(BagSource& source, Pipeline& pipeline, bool quiet, RunInfo& i
   for (const auto& [fault, count] : source.dropped()) info.dropped_before[to_string(fault)] += count;
   info.readings_dropped = source.readings_dropped();
   info.notes = source.notes();
+  info.calibration = pipeline.calibration();
 }
 
 void refuse_if_nothing_was_mapped(const Pipeline& pipeline, const RunInfo& info) {
@@ -230,6 +234,7 @@ void run(const Options& options) {
     for (const std::string& note : info.notes) std::cerr << "note: " << note << '\n';
     for (const auto& [what, count] : info.readings_dropped) std::cerr << "note: " << count << " readings left out: " << what << '\n';
   }
+  if (!options.quiet && info.calibration && info.calibration->corrects()) std::cout << info.calibration->text() << '\n';
   if (!options.quiet) std::cout << report_table(report) << "written to " << options.out << (interrupted ? " (interrupted)" : "") << std::endl;
   if (!store_problem.empty()) throw std::runtime_error(store_problem);
   if (damaged) throw std::runtime_error(info.stopped_by + "; what came before is in " + options.out);

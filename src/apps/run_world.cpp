@@ -165,6 +165,7 @@ void write(const Options& options, VariantSet& set, const std::vector<std::uniqu
     info.wall_seconds = 1e-3 * std::accumulate(wall.begin(), wall.end(), 0.0);
     set.observe(i, nullptr);
     if (recordings[i]) info.store = recordings[i]->finish();
+    info.calibration = set.calibration(i);
     const RunReport report = write_run(folder, set.runs()[i], variant.params, info);
     if (options.quiet) continue;
     if (!options.variants.empty()) std::cout << (i > 0 ? "\n" : "") << variant.name << ": ";

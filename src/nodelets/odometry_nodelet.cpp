@@ -111,6 +111,7 @@ class OdometryNodelet : public StageNodelet {
     if (!output.live.degenerate.empty()) health().warn("the surroundings don't hold every direction of motion");
     if (output.live.status == OdometryStatus::predicted) health().warn("scan not matched: moving on by prediction");
     health().show("inlier share", output.live.inlier_share);
+    if (output.calibration && !output.calibration->beams.empty()) health().show("calibration", output.calibration->text());
     const double latency = (ros::Time::now() - to_ros_time(scan.stamp)).toSec();
     if (std::abs(latency) < 60) health().show("latency [ms]", 1e3 * latency);  // otherwise the clocks have nothing in common
   }

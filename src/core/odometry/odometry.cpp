@@ -3,6 +3,7 @@
 #include "sgraph_slam/core/odometry/external_odometry.hpp"
 #include "sgraph_slam/core/odometry/keyframe_selector.hpp"
 #include "sgraph_slam/core/odometry/lidar_odometry.hpp"
+#include "sgraph_slam/core/odometry/ring_calibrator.hpp"
 
 namespace sgraph {
 
@@ -25,11 +26,21 @@ KeyframeParams keyframe_params(const OdometryParams& params) {
   return keyframe;
 }
 
+// Poses from wheels are off by more than what the beams are.
+CalibrationParams calibration_params(const OdometryParams& params) {
+  CalibrationParams calibration = params.calibration;
+  if (params.source == "topic" && calibration.mode == "auto") calibration.mode = "fixed";
+  return calibration;
+}
+
 }  // namespace
 
 class Odometry::Implementation {
  public:
-  Implementation(const OdometryParams& params, const Pose& T_base_lidar) : keyframes_(keyframe_params(params), T_base_lidar, params.source == "topic" ? reckoning_drift : map_drift) {
+  Implementation(const OdometryParams& params, const Pose& T_base_lidar)
+      : T_base_lidar_(T_base_lidar),
+        calibrator_(calibration_params(params)),
+        keyframes_(keyframe_params(params), T_base_lidar, params.source == "topic" ? reckoning_drift : map_drift) {
     if (params.source == "topic") {
       source_ = std::make_unique<ExternalOdometry>(T_base_lidar);
     } else {
@@ -38,14 +49,17 @@ class Odometry::Implementation {
   }
 
   MotionSource& source() { return *source_; }
+  [[nodiscard]] std::shared_ptr<const RingCalibration> calibration() const { return calibrator_.calibration(); }
 
   OdometryOutput process(const CloudPtr& scan) {
-    MotionOutput motion = source_->process(scan);
+    calibrator_.recognise(*scan);
+    MotionOutput motion = source_->process(calibrator_.calibration()->corrected(scan));
     OdometryOutput output;
     output.verdict = motion.verdict;
     output.live = motion.live;
     output.deskewed = motion.deskewed;
     for (const FinalScan& final : motion.finals) take(final, output);
+    output.calibration = calibration();
     return output;
   }
 
@@ -59,9 +73,12 @@ class Odometry::Implementation {
  private:
   void take(const FinalScan& final, OdometryOutput& output) {
     output.finals.push_back({final.stamp, final.T_odom_base});
+    if (final.explained) calibrator_.add(*final.cloud, final.T_odom_base * T_base_lidar_);
     if (auto keyframe = keyframes_.add(final)) output.keyframes.push_back(std::move(*keyframe));
   }
 
+  Pose T_base_lidar_;
+  RingCalibrator calibrator_;
   std::unique_ptr<MotionSource> source_;
   KeyframeSelector keyframes_;
 };
@@ -76,5 +93,6 @@ void Odometry::add(const OdometrySample& sample) { implementation_->source().add
 void Odometry::add(const ImuSample& sample) { implementation_->source().add(sample); }
 OdometryOutput Odometry::process(const CloudPtr& scan) { return implementation_->process(scan); }
 OdometryOutput Odometry::finish() { return implementation_->finish(); }
+std::shared_ptr<const RingCalibration> Odometry::calibration() const { return implementation_->calibration(); }
 
 }  // namespace sgraph

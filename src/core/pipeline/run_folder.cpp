@@ -19,6 +19,7 @@ RunReport write_run(const std::string& folder, const Run& run, const Params& par
     write_file(base + "keyframes.tum", tum_text(run.odometry_keyframes()));
   }
   if (run.until() >= Stage::mapping) write_map(folder, *run.snapshot(), trajectory, run.T_base_lidar(), params.output);
+  if (info.calibration && !info.calibration->beams.empty()) write_file(base + "calibration.yaml", to_yaml(*info.calibration));
   RunReport report = make_report(run, info);
   write_file(base + "report.json", report_json(report));
   return report;

@@ -67,6 +67,24 @@ Json to_json(const SensorDescription& sensor) {
           {"intensity", sensor.intensity}};
 }
 
+Json to_json(const RingCalibration& calibration) {
+  constexpr double degree = M_PI / 180;
+  Json beams = Json::array();
+  for (const BeamCalibration& beam : calibration.beams) {
+    beams.push_back({{"range_mm", 1e3 * beam.range_offset},
+                     {"range_sigma_mm", 1e3 * beam.range_sigma},
+                     {"range_applied", beam.range_applied},
+                     {"elevation_deg", beam.elevation_offset / degree},
+                     {"elevation_sigma_deg", beam.elevation_sigma / degree},
+                     {"elevation_applied", beam.elevation_applied}});
+  }
+  return {{"scans", calibration.scans},
+          {"vertical_offsets_lacking", calibration.vertical_share},
+          {"vertical_offsets_sigma", calibration.vertical_sigma},
+          {"vertical_offsets_added", calibration.vertical_applied},
+          {"beams", beams}};
+}
+
 template <class... Values>
 std::string format(const char* pattern, Values... values) {
   std::array<char, 256> text{};
@@ -158,6 +176,7 @@ std::string report_json(const RunReport& report) {
     json["store"] = {{"path", store.path}, {"bytes", store.bytes}, {"cpu_seconds", store.cpu_seconds}};
   }
   if (report.info.sensor) json["sensor"] = to_json(*report.info.sensor);
+  if (report.info.calibration && !report.info.calibration->beams.empty()) json["sensor"]["calibration"] = to_json(*report.info.calibration);
   if (!report.info.readings_dropped.empty()) json["readings_dropped"] = report.info.readings_dropped;
   if (!report.info.notes.empty()) json["notes"] = report.info.notes;
   return json.dump(1) + '\n';

@@ -107,6 +107,15 @@ VariantSet::VariantSet(std::vector<Variant> variants, const Pose& T_base_lidar, 
   }
 }
 
+std::shared_ptr<const RingCalibration> VariantSet::calibration(std::size_t variant) const {
+  for (const Front& front : fronts_) {
+    for (const Segmentation& segmentation : front.segmentations) {
+      if (std::find(segmentation.runs.begin(), segmentation.runs.end(), variant) != segmentation.runs.end()) return front.front_end.calibration();
+    }
+  }
+  return std::make_shared<const RingCalibration>();
+}
+
 void VariantSet::add(const OdometrySample& sample) {
   for (Front& front : fronts_) {
     if (front.encoders) front.front_end.add(sample);

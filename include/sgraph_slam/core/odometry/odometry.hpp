@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "sgraph_slam/core/odometry/params.hpp"
+#include "sgraph_slam/core/sensor/ring_calibration.hpp"
 #include "sgraph_slam/core/types/cloud.hpp"
 #include "sgraph_slam/core/types/odometry.hpp"
 #include "sgraph_slam/core/types/sensor.hpp"
@@ -23,10 +24,11 @@ const char* to_string(ScanVerdict value);
 /// What one scan brings. With a refused scan only `verdict` counts.
 struct OdometryOutput {
   ScanVerdict verdict = ScanVerdict::accepted;
-  OdometryEstimate live;            ///< this scan's pose, at once
-  CloudPtr deskewed;                ///< this scan as seen from the LiDAR's live pose at the stamp; never null when accepted
-  Trajectory finals;                ///< final poses that became known with this scan (of the scan before), in order
-  std::vector<Keyframe> keyframes;  ///< closed with this scan, in order; usually none or one
+  OdometryEstimate live;                               ///< this scan's pose, at once
+  CloudPtr deskewed;                                   ///< this scan as seen from the LiDAR's live pose at the stamp; never null when accepted
+  Trajectory finals;                                   ///< final poses that became known with this scan (of the scan before), in order
+  std::vector<Keyframe> keyframes;                     ///< closed with this scan, in order; usually none or one
+  std::shared_ptr<const RingCalibration> calibration;  ///< of the LiDAR's beams, as it is after this scan
 };
 
 /// Second stage: the only place that owns motion. Estimates the motion within and between scans (design: odometry study), keeps the local
@@ -48,6 +50,9 @@ class Odometry {
 
   /// Ends the recording: final poses and the last keyframe of what is still in the window. `live` and `deskewed` stay empty.
   OdometryOutput finish();
+
+  /// What is known of the LiDAR's beams. Never null.
+  [[nodiscard]] std::shared_ptr<const RingCalibration> calibration() const;
 
  private:
   class Implementation;

@@ -2,6 +2,7 @@
 
 #include <string>
 
+#include "sgraph_slam/core/odometry/ring_calibrator.hpp"
 #include "sgraph_slam/core/params/visitor.hpp"
 #include "sgraph_slam/core/registration/surface_map.hpp"
 
@@ -64,6 +65,7 @@ struct OdometryParams {
   double map_leaf = 0.1;
   MotionParams motion;
   KeyframeParams keyframe;
+  CalibrationParams calibration;
 
   void describe(ParamVisitor& v) {
     v.choice("source", source, {"vgicp", "topic"}, "LiDAR odometry of this package, or the robot's odometry.");
@@ -71,6 +73,7 @@ struct OdometryParams {
     v.field("map_leaf", map_leaf, "m", {0, 5}, "One point in a voxel of this edge of each scan enters the map; 0: all.");
     v.group("motion", motion, "Motion within the scan, solved together with the pose.");
     v.group("keyframe", keyframe, "When a keyframe is closed, and what it holds.");
+    v.group("calibration", calibration, "Errors of the LiDAR's beams (docs/sensors.md).");
   }
 };
 

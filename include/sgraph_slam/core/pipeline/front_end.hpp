@@ -29,6 +29,9 @@ class FrontEnd {
   /// Ends the recording: what the odometry still held.
   MeasuredScan finish();
 
+  /// What is known of the LiDAR's beams. Never null.
+  [[nodiscard]] std::shared_ptr<const RingCalibration> calibration() const { return odometry_.calibration(); }
+
  private:
   bool registers_;
   Prefilter prefilter_;

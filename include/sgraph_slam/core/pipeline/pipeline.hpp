@@ -25,6 +25,8 @@ class Pipeline {
   /// Ends the recording: closes the last keyframe and optimises once more.
   void finish() { run_.finish(segmented(front_end_.finish())); }
 
+  /// What is known of the LiDAR's beams. Never null.
+  [[nodiscard]] std::shared_ptr<const RingCalibration> calibration() const { return front_end_.calibration(); }
   /// What came of it so far.
   [[nodiscard]] const Run& run() const { return run_; }
 

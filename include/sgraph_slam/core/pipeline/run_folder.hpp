@@ -1,27 +1,30 @@
 #pragma once
 
 #include <map>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "sgraph_slam/core/pipeline/run.hpp"
 #include "sgraph_slam/core/sensor/description.hpp"
+#include "sgraph_slam/core/sensor/ring_calibration.hpp"
 #include "sgraph_slam/core/store/map_recording.hpp"
 
 namespace sgraph {
 
 /// What a run's report says beyond what the run knows.
 struct RunInfo {
-  std::vector<std::string> sources;             ///< recordings
-  double wall_seconds = 0;                      ///< from the first scan read to the last solve
-  std::optional<double> cpu_seconds;            ///< of all that the run took; nothing: the stages' own
-  std::map<std::string, int> dropped_before;    ///< scans that never reached the pipeline, by reason
-  std::map<std::string, int> readings_dropped;  ///< of the robot's odometry and the inertial unit, by reason
-  std::optional<SensorDescription> sensor;      ///< what was recognised of the LiDAR
-  std::vector<std::string> notes;               ///< what else there is to say of the recording, a sentence each
-  std::string stopped_by;                       ///< why the run ended early; empty when it didn't
-  std::optional<RecordingFigures> store;        ///< the map file, where one was written
+  std::vector<std::string> sources;                    ///< recordings
+  double wall_seconds = 0;                             ///< from the first scan read to the last solve
+  std::optional<double> cpu_seconds;                   ///< of all that the run took; nothing: the stages' own
+  std::map<std::string, int> dropped_before;           ///< scans that never reached the pipeline, by reason
+  std::map<std::string, int> readings_dropped;         ///< of the robot's odometry and the inertial unit, by reason
+  std::optional<SensorDescription> sensor;             ///< what was recognised of the LiDAR
+  std::shared_ptr<const RingCalibration> calibration;  ///< of its beams; null or without beams: none
+  std::vector<std::string> notes;                      ///< what else there is to say of the recording, a sentence each
+  std::string stopped_by;                              ///< why the run ended early; empty when it didn't
+  std::optional<RecordingFigures> store;               ///< the map file, where one was written
 };
 
 /// Time that a stage took, over the scans in which it ran.

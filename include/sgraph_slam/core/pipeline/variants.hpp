@@ -47,6 +47,8 @@ class VariantSet {
   [[nodiscard]] const std::deque<Run>& runs() const { return runs_; }
   /// How often a scan is registered: the number of different front ends.
   [[nodiscard]] std::size_t front_ends() const { return fronts_.size(); }
+  /// What the variant knows of the LiDAR's beams. Never null.
+  [[nodiscard]] std::shared_ptr<const RingCalibration> calibration(std::size_t variant) const;
 
  private:
   // Variants that see the same planes. Those that stop before have no segmenter.

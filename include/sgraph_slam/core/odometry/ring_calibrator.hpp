@@ -1,0 +1,117 @@
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "sgraph_slam/core/params/visitor.hpp"
+#include "sgraph_slam/core/registration/voxel_index.hpp"
+#include "sgraph_slam/core/sensor/ring_calibration.hpp"
+#include "sgraph_slam/core/types/pose.hpp"
+
+namespace sgraph {
+
+struct CalibrationParams {
+  std::string mode = "off";
+  std::string file;
+  double range_sigma = 0.001;
+  double elevation_sigma = 0.025;
+
+  void describe(ParamVisitor& v) {
+    v.choice("mode", mode, {"auto", "fixed", "off"},
+             "Errors of the LiDAR's beams: auto estimates them while mapping and takes them out; fixed takes out only what `file` holds.");
+    v.field("file", file, "Calibration of an earlier run to begin with; empty: none.");
+    v.field("range_sigma", range_sigma, "m", {1e-5, 0.1}, "A beam's range offset is taken out when it is known better than this.");
+    v.field("elevation_sigma", elevation_sigma, "deg", {1e-4, 1}, "... and its elevation offset when that is known better than this.");
+  }
+};
+
+/// Estimates a spinning LiDAR's errors beam by beam while it maps: an offset in range (their mean held at zero: a common one can't be told from the
+/// size of the building), one in elevation, and whether the cloud lacks the vertical offsets of the lasers (VLP-16). What tells is how the points of
+/// different beams, from different places, lie about one plane. Each plane's position and tilt are unknowns of the whole run, and how a scan is off
+/// the plane as a whole, by the error of its pose, is an unknown of that scan; both are eliminated from the normal equations. Not thread-safe.
+class RingCalibrator {
+ public:
+  /// Throws std::runtime_error when the file can't be read.
+  explicit RingCalibrator(const CalibrationParams& params);
+
+  /// Shows a scan as the sensor saw it, in its own frame: beams are learnt from the first ones.
+  void recognise(const Cloud& raw);
+  /// Takes a scan whose pose is final, motion taken out, corrected by `calibration()` as it was when the scan came.
+  void add(const Cloud& scan, const Pose& T_odom_lidar);
+
+  /// What is known now. Never null.
+  [[nodiscard]] std::shared_ptr<const RingCalibration> calibration() const { return calibration_; }
+
+ private:
+  using Vector3 = Eigen::Vector3d;
+  struct Voxel {
+    int count = 0;
+    Vector3 sum = Vector3::Zero();  // relative to the voxel's centre
+    Eigen::Matrix3d outer = Eigen::Matrix3d::Zero();
+    Vector3 centre = Vector3::Zero();
+    Vector3 mean = Vector3::Zero();  // of a flat one
+    Vector3 normal = Vector3::Zero();
+    double gate = 0;              // points farther from it are another surface's [m]
+    int inside = 0, outside = 0;  // points within the gate and not, since it was fitted
+    int plane = -1;
+  };
+  struct Plane {
+    Vector3 centre, normal, first, second;        // two axes on it
+    Eigen::Matrix3d h = Eigen::Matrix3d::Zero();  // of its offset and tilts,
+    Vector3 b = Vector3::Zero();
+    Eigen::MatrixXd cross;  // and with the beams' parameters
+  };
+  // Sums of one scan's points on one plane, by ring.
+  struct RingSums {
+    Eigen::Matrix3d jj = Eigen::Matrix3d::Zero();  // range, elevation, vertical share
+    Eigen::Matrix3d js = Eigen::Matrix3d::Zero();  // and the plane's offset and tilts
+    Vector3 jy = Vector3::Zero();
+    int count = 0;
+  };
+  struct ScanSums {
+    std::vector<RingSums> rings;
+    Eigen::Matrix3d ss = Eigen::Matrix3d::Zero();
+    Vector3 sy = Vector3::Zero();
+    int count = 0;
+  };
+
+  void learn_beams(const Cloud& raw);
+  void switch_off();
+  void insert(const Vector3& p, const Vector3& sensor);
+  void flatten(Voxel& voxel, const Vector3& sensor);
+  [[nodiscard]] int plane_for(const Vector3& mean, const Vector3& normal);
+  void measure(const Cloud& scan, const Pose& T_odom_lidar);
+  [[nodiscard]] bool same_place(const Pose& pose);
+  [[nodiscard]] bool near_edge(const Vector3& p, int own) const;
+  void take_sums(int plane, const ScanSums& sums);
+  void solve();
+  void settle_vertical(double share, double sigma);
+  [[nodiscard]] Eigen::Index unknowns() const { return 2 * rings_ + 1; }
+
+  CalibrationParams params_;
+  int rings_ = 0;
+  int shown_ = 0;
+  std::vector<bool> counts_;  // rings that have points
+  std::shared_ptr<const RingCalibration> calibration_ = std::make_shared<const RingCalibration>();
+  VoxelIndex index_;
+  std::vector<Voxel> voxels_;
+  std::vector<Plane> planes_;
+  Eigen::MatrixXd h_;
+  Eigen::VectorXd b_;
+  Eigen::VectorXd prior_mean_, prior_weight_;
+  Eigen::VectorXd applied_;  // parameters taken out of the points that come
+  std::optional<Pose> last_;
+  int at_place_ = 0;  // scans taken there
+  int scans_ = 0;     // taken in all
+  int since_solved_ = 0;
+  int in_flight_ = 0;       // scans that may still come with the correction of before
+  int vertical_votes_ = 0;  // solutions in a row that say the same of the vertical offsets
+  bool vertical_settled_ = false;
+  double vertical_share_ = 0, vertical_sigma_ = 0;
+};
+
+}  // namespace sgraph

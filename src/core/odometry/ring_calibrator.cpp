@@ -1,0 +1,351 @@
+#include "sgraph_slam/core/odometry/ring_calibrator.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+
+#include "sgraph_slam/core/math/so3.hpp"
+#include "sgraph_slam/core/sensor/ring_table.hpp"
+
+namespace sgraph {
+namespace {
+
+constexpr double degree = M_PI / 180;
+// Two measured VLP-16 have range offsets of 6 and 10 mm rms, and elevations off by up to 0.07 degrees (docs/sensors.md).
+constexpr double range_prior = 0.01;               // [m]
+constexpr double elevation_prior = 0.05 * degree;  // [rad]
+constexpr double mean_sigma = 1e-4;                // [m] of the mean of the range offsets, which is zero by definition
+// A calibration is good for one mounting and temperature; from month to month offsets wander by a few millimetres (Chio 2022).
+constexpr double kept_range_sigma = 0.003;              // [m]
+constexpr double kept_elevation_sigma = 0.02 * degree;  // [rad]
+
+constexpr double fixed_weight = 1e12;  // of a parameter that is settled
+
+constexpr double edge = 1.0;                // [m] of a voxel
+constexpr int voxel_points = 40;            // that a voxel is fitted with; again at every doubling
+constexpr int most_voxel_points = 640;      // after which one that isn't flat is given up
+constexpr double flat_sigma = 0.03;         // [m] three halves of the noise of the noisiest sensors
+constexpr double wide_sigma = 0.12;         // [m] a stripe doesn't tell how a surface leans
+constexpr double plane_angle = 3 * degree;  // between voxels of one plane
+constexpr double plane_offset = 0.05;       // [m]
+constexpr double plane_radius = 6.0;        // [m] floors slope and undulate by millimetres over more
+constexpr double least_gate = 0.015;        // [m] three times the noise of a quiet sensor
+constexpr double most_gate = 0.06;          // [m] ... and of the noisiest
+// Share of a voxel's points beyond the gate. Where there are more, another surface begins within the voxel, and its points within the gate all pull
+// to one side.
+constexpr double most_outside = 0.02;
+
+// A point counts as if it had this noise: eight points with the 7 mm of a real sensor, which share texture, intensity and incidence.
+constexpr double point_sigma = 0.02;  // [m]
+// By how much a scan may be off a plane as a whole.
+constexpr double pose_sigma = 0.008;    // [m]
+constexpr double pose_tilt = 0.002;     // [rad]
+constexpr double edge_distance = 0.15;  // [m] from a plane that crosses: more than twice the widest gate
+constexpr double parallel = 0.9;        // cosine between planes that don't cross
+constexpr double least_cosine = 0.04;   // grazing rays tell of the surface's texture
+constexpr double farthest = 25.0;       // [m]
+
+constexpr double place_distance = 0.2;  // [m] between scans that are taken
+constexpr double place_angle = 0.15;    // [rad]
+constexpr int scans_a_place = 5;        // standing still shows the same textures again and again
+constexpr int scans_a_solution = 20;
+constexpr int scans_in_flight = 3;  // between coming in and being final
+constexpr int least_scans = 40;     // before anything is taken out
+constexpr int shown_scans = 20;     // in which the beams must show
+
+}  // namespace
+
+RingCalibrator::RingCalibrator(const CalibrationParams& params) : params_(params), index_(edge) {
+  if (!params.file.empty()) calibration_ = std::make_shared<const RingCalibration>(read_calibration(params.file));
+}
+
+void RingCalibrator::switch_off() {
+  rings_ = 0;
+  shown_ = shown_scans;
+  calibration_ = std::make_shared<const RingCalibration>();
+}
+
+void RingCalibrator::recognise(const Cloud& raw) {
+  if (params_.mode != "auto" || shown_ >= shown_scans) return;
+  ++shown_;
+  learn_beams(raw);
+}
+
+void RingCalibrator::learn_beams(const Cloud& raw) {
+  const auto table = table_by_ring(raw);
+  if (!table) return;
+  if (!table->sharp) {  // somebody has moved the points since the sensor saw them
+    switch_off();
+    return;
+  }
+  const auto rings = static_cast<int>(table->row_of_ring.size());
+  if (rings_ > 0 || rings < 4 || rings > 256) return;
+  rings_ = rings;
+  counts_.assign(table->row_of_ring.size(), false);
+  const bool lacks_offsets = table->from_one_point && model_of(*table) == "VLP-16";
+  auto calibration = std::make_shared<RingCalibration>(*calibration_);
+  const bool known = calibration->beams.size() == static_cast<std::size_t>(rings);
+  if (!known) *calibration = {};
+  calibration->beams.resize(static_cast<std::size_t>(rings));
+  calibration->vertical_offsets.clear();
+  if (lacks_offsets) {
+    for (const int row : table->row_of_ring)
+      calibration->vertical_offsets.push_back(row < 0 ? 0.0 : vlp16_vertical_offsets()[static_cast<std::size_t>(row)]);
+  }
+  h_ = Eigen::MatrixXd::Zero(unknowns(), unknowns());
+  b_ = Eigen::VectorXd::Zero(unknowns());
+  applied_ = Eigen::VectorXd::Zero(unknowns());
+  prior_mean_ = Eigen::VectorXd::Zero(unknowns());
+  prior_weight_ = Eigen::VectorXd::Zero(unknowns());
+  for (int ring = 0; ring < rings; ++ring) {
+    BeamCalibration& beam = calibration->beams[static_cast<std::size_t>(ring)];
+    prior_mean_[ring] = beam.range_offset;
+    prior_mean_[rings + ring] = beam.elevation_offset;
+    const double range = known ? std::hypot(std::min(beam.range_sigma, range_prior), kept_range_sigma) : range_prior;
+    const double elevation = known ? std::hypot(std::min(beam.elevation_sigma, elevation_prior), kept_elevation_sigma) : elevation_prior;
+    prior_weight_[ring] = 1 / (range * range);
+    prior_weight_[rings + ring] = 1 / (elevation * elevation);
+    if (beam.range_applied) applied_[ring] = beam.range_offset;
+    if (beam.elevation_applied) applied_[rings + ring] = beam.elevation_offset;
+  }
+  if (!lacks_offsets) calibration->vertical_applied = false;
+  vertical_share_ = calibration->vertical_share;
+  vertical_sigma_ = calibration->vertical_sigma;
+  vertical_settled_ = !lacks_offsets || (known && calibration->vertical_applied);
+  const double share = calibration->vertical_applied ? 1.0 : 0.0;
+  applied_[2 * rings] = share;
+  prior_mean_[2 * rings] = vertical_settled_ ? share : 0.5;
+  prior_weight_[2 * rings] = vertical_settled_ ? fixed_weight : 4.0;
+  calibration_ = calibration;
+}
+
+bool RingCalibrator::same_place(const Pose& pose) {
+  const bool moved =
+      !last_ || (pose.translation - last_->translation).norm() > place_distance || rotation_angle(last_->rotation, pose.rotation) > place_angle;
+  if (moved) {
+    last_ = pose;
+    at_place_ = 0;
+  }
+  return ++at_place_ > scans_a_place;
+}
+
+void RingCalibrator::add(const Cloud& scan, const Pose& T_odom_lidar) {
+  if (rings_ == 0) return;
+  if (in_flight_ > 0) {
+    --in_flight_;
+    return;
+  }
+  if (same_place(T_odom_lidar)) return;
+  ++scans_;
+  measure(scan, T_odom_lidar);
+  const Eigen::Matrix3d rotation = T_odom_lidar.matrix();
+  for (const Point& p : scan.points) insert(rotation * p.position().cast<double>() + T_odom_lidar.translation, T_odom_lidar.translation);
+  if (++since_solved_ < scans_a_solution) return;
+  since_solved_ = 0;
+  solve();
+}
+
+void RingCalibrator::insert(const Vector3& p, const Vector3& sensor) {
+  const std::uint32_t at = index_.find_or_add(index_.key(p));
+  if (at == voxels_.size()) {
+    voxels_.emplace_back();
+    voxels_.back().centre = p;
+  }
+  Voxel& voxel = voxels_[at];
+  if (voxel.plane >= 0 || voxel.count >= most_voxel_points) return;
+  const Vector3 q = p - voxel.centre;
+  ++voxel.count;
+  voxel.sum += q;
+  voxel.outer += q * q.transpose();
+  const int doubled = voxel.count / voxel_points;
+  if (voxel.count % voxel_points == 0 && (doubled & (doubled - 1)) == 0) flatten(voxel, sensor);
+}
+
+void RingCalibrator::flatten(Voxel& voxel, const Vector3& sensor) {
+  const Vector3 mean = voxel.sum / voxel.count;
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(voxel.outer / voxel.count - mean * mean.transpose());
+  const Vector3 variances = solver.eigenvalues();
+  if (variances[0] > flat_sigma * flat_sigma || variances[1] < wide_sigma * wide_sigma) return;
+  voxel.mean = voxel.centre + mean;
+  voxel.normal = solver.eigenvectors().col(0);
+  if (voxel.normal.dot(sensor - voxel.mean) < 0) voxel.normal = -voxel.normal;
+  voxel.gate = std::clamp(3 * std::sqrt(std::max(0.0, variances[0])), least_gate, most_gate);
+  voxel.plane = plane_for(voxel.mean, voxel.normal);
+}
+
+int RingCalibrator::plane_for(const Vector3& mean, const Vector3& normal) {
+  int best = -1;
+  double nearest = plane_radius;
+  for (std::size_t i = 0; i < planes_.size(); ++i) {
+    const Plane& plane = planes_[i];
+    const Vector3 away = mean - plane.centre;
+    const double distance = away.norm();
+    if (distance >= nearest || plane.normal.dot(normal) < std::cos(plane_angle) || std::abs(plane.normal.dot(away)) > plane_offset) continue;
+    best = static_cast<int>(i);
+    nearest = distance;
+  }
+  if (best >= 0) return best;
+  Plane plane;
+  plane.centre = mean;
+  plane.normal = normal;
+  plane.first = normal.unitOrthogonal();
+  plane.second = normal.cross(plane.first);
+  plane.cross = Eigen::MatrixXd::Zero(unknowns(), 3);
+  planes_.push_back(std::move(plane));
+  return static_cast<int>(planes_.size()) - 1;
+}
+
+void RingCalibrator::measure(const Cloud& scan, const Pose& T_odom_lidar) {
+  constexpr double weight = 1 / (point_sigma * point_sigma);
+  const Eigen::Matrix3d rotation = T_odom_lidar.matrix();
+  const Vector3 axis = rotation.col(2);  // the sensor's, upward
+  const auto& offsets = calibration_->vertical_offsets;
+  std::map<int, ScanSums> by_plane;
+  for (const Point& point : scan.points) {
+    if (point.ring >= rings_) continue;
+    const Vector3 ray = rotation * point.position().cast<double>();
+    const Vector3 p = ray + T_odom_lidar.translation;
+    const std::uint32_t at = index_.find(index_.key(p));
+    if (at == VoxelIndex::none || voxels_[at].plane < 0) continue;
+    Voxel& voxel = voxels_[at];
+    const Vector3 direction = ray.normalized();
+    const double cosine = -voxel.normal.dot(direction);
+    const bool within = std::abs(voxel.normal.dot(p - voxel.mean)) < voxel.gate;
+    ++(within ? voxel.inside : voxel.outside);
+    if (!within || voxel.outside > most_outside * voxel.inside + 2) continue;
+    if (cosine < least_cosine) continue;
+    // Where the ray meets the surface, without the noise of its range: with it, the coefficients would go with the residual, and what the data hardly
+    // holds would be pulled far off.
+    const double range = voxel.normal.dot(T_odom_lidar.translation - voxel.mean) / cosine;
+    const Vector3 met = T_odom_lidar.translation + range * direction;
+    if (range > farthest || near_edge(met, voxel.plane)) continue;
+    const Plane& plane = planes_[static_cast<std::size_t>(voxel.plane)];
+    const Vector3 upward = (axis - axis.dot(direction) * direction).normalized();
+    const auto ring = static_cast<std::size_t>(point.ring);
+    const double raised = ring < offsets.size() ? offsets[ring] : 0.0;
+    const Vector3 j(plane.normal.dot(direction), -range * plane.normal.dot(upward), -raised * plane.normal.dot(axis));
+    const Vector3 from_centre = met - plane.centre;
+    const Vector3 s(1, plane.first.dot(from_centre), plane.second.dot(from_centre));
+    const Vector3 applied(applied_[point.ring], applied_[rings_ + point.ring], applied_[2 * rings_]);
+    const double y = plane.normal.dot(p - plane.centre) + j.dot(applied);
+    ScanSums& sums = by_plane[voxel.plane];
+    if (sums.rings.empty()) sums.rings.resize(static_cast<std::size_t>(rings_));
+    RingSums& own = sums.rings[ring];
+    own.jj += weight * j * j.transpose();
+    own.js += weight * j * s.transpose();
+    own.jy += weight * y * j;
+    ++own.count;
+    sums.ss += weight * s * s.transpose();
+    sums.sy += weight * y * s;
+    ++sums.count;
+    counts_[ring] = true;
+  }
+  for (const auto& [plane, sums] : by_plane) take_sums(plane, sums);
+}
+
+// Beside another plane that crosses this one, points of the other within the gate pull all to one side.
+bool RingCalibrator::near_edge(const Vector3& p, int own) const {
+  const Vector3& normal = planes_[static_cast<std::size_t>(own)].normal;
+  return std::any_of(planes_.begin(), planes_.end(), [&](const Plane& other) {
+    const Vector3 away = p - other.centre;
+    return std::abs(other.normal.dot(away)) < edge_distance && std::abs(other.normal.dot(normal)) < parallel && away.norm() < plane_radius + edge;
+  });
+}
+
+void RingCalibrator::take_sums(int plane, const ScanSums& sums) {
+  // How this scan as a whole is off the plane, a small unknown of its own, is eliminated here.
+  Eigen::Matrix3d own = sums.ss;
+  own.diagonal() += Vector3(1 / (pose_sigma * pose_sigma), 1 / (pose_tilt * pose_tilt), 1 / (pose_tilt * pose_tilt));
+  const Eigen::Matrix3d k = own.inverse();
+  Eigen::MatrixXd js = Eigen::MatrixXd::Zero(unknowns(), 3);
+  for (int ring = 0; ring < rings_; ++ring) {
+    const RingSums& r = sums.rings[static_cast<std::size_t>(ring)];
+    if (r.count == 0) continue;
+    const std::array<Eigen::Index, 3> at{ring, rings_ + ring, 2 * rings_};
+    for (std::size_t i = 0; i < 3; ++i) {
+      const auto row = static_cast<Eigen::Index>(i);
+      js.row(at[i]) += r.js.row(row);
+      b_[at[i]] += r.jy[row];
+      for (std::size_t j = 0; j < 3; ++j) h_(at[i], at[j]) += r.jj(row, static_cast<Eigen::Index>(j));
+    }
+  }
+  h_.noalias() -= js * k * js.transpose();
+  b_ -= js * (k * sums.sy);
+  Plane& p = planes_[static_cast<std::size_t>(plane)];
+  p.h += sums.ss - sums.ss * k * sums.ss;
+  p.b += sums.sy - sums.ss * (k * sums.sy);
+  p.cross += js - js * k * sums.ss;
+}
+
+void RingCalibrator::solve() {
+  Eigen::MatrixXd h = h_;
+  Eigen::VectorXd b = b_;
+  for (const Plane& plane : planes_) {
+    const Eigen::Matrix3d inverse = (plane.h + Eigen::Matrix3d::Identity()).inverse();  // a metre, a radian: nothing is known of it beforehand
+    h.noalias() -= plane.cross * inverse * plane.cross.transpose();
+    b -= plane.cross * (inverse * plane.b);
+  }
+  h.diagonal() += prior_weight_;
+  b += prior_weight_.cwiseProduct(prior_mean_);
+  Eigen::VectorXd mean = Eigen::VectorXd::Zero(unknowns());
+  const auto seen = static_cast<double>(std::count(counts_.begin(), counts_.end(), true));
+  for (int ring = 0; ring < rings_; ++ring) mean[ring] = counts_[static_cast<std::size_t>(ring)] ? 1 / std::max(seen, 1.0) : 0.0;
+  h += mean * mean.transpose() / (mean_sigma * mean_sigma);
+  if (!vertical_settled_) {
+    const Eigen::LDLT<Eigen::MatrixXd> free(h);
+    if (free.info() != Eigen::Success || !free.isPositive()) return;
+    const double share = free.solve(b)[2 * rings_];
+    const double sigma = std::sqrt(std::max(0.0, free.solve(Eigen::VectorXd::Unit(unknowns(), 2 * rings_))[2 * rings_]));
+    settle_vertical(share, sigma);
+    // The other parameters are those that go with what is taken for true, not with a mixture of the two.
+    h(2 * rings_, 2 * rings_) += fixed_weight;
+    b[2 * rings_] += fixed_weight * (vertical_settled_ ? prior_mean_[2 * rings_] : 0.0);
+    vertical_share_ = share;
+    vertical_sigma_ = sigma;
+  }
+  const Eigen::LDLT<Eigen::MatrixXd> factor(h);
+  if (factor.info() != Eigen::Success || !factor.isPositive()) return;
+  const Eigen::VectorXd x = factor.solve(b);
+  const Eigen::VectorXd sigma = factor.solve(Eigen::MatrixXd::Identity(unknowns(), unknowns())).diagonal().cwiseMax(0).cwiseSqrt();
+  if (!x.allFinite() || !sigma.allFinite()) return;
+
+  auto calibration = std::make_shared<RingCalibration>(*calibration_);
+  calibration->scans = scans_;
+  calibration_ = calibration;
+  for (int ring = 0; ring < rings_; ++ring) {
+    BeamCalibration& beam = calibration->beams[static_cast<std::size_t>(ring)];
+    beam.range_offset = x[ring];
+    beam.range_sigma = sigma[ring];
+    beam.elevation_offset = x[rings_ + ring];
+    beam.elevation_sigma = sigma[rings_ + ring];
+    if (scans_ < least_scans) continue;
+    beam.range_applied = beam.range_applied || sigma[ring] < params_.range_sigma;
+    beam.elevation_applied = beam.elevation_applied || sigma[rings_ + ring] < params_.elevation_sigma * degree;
+    applied_[ring] = beam.range_applied ? beam.range_offset : 0.0;
+    applied_[rings_ + ring] = beam.elevation_applied ? beam.elevation_offset : 0.0;
+  }
+  calibration->vertical_share = vertical_share_;
+  calibration->vertical_sigma = vertical_sigma_;
+  calibration->vertical_applied = vertical_settled_ && prior_mean_[2 * rings_] > 0.5;
+  applied_[2 * rings_] = calibration->vertical_applied ? 1.0 : 0.0;
+  in_flight_ = scans_in_flight;
+}
+
+// The offsets are lacking or they aren't: what the data says three times in a row is taken for true.
+void RingCalibrator::settle_vertical(double share, double sigma) {
+  // The logarithm of the odds of 1 against 0 is this by sigma^2. Three to one is enough: by then the elevations that are estimated beside hold what
+  // the wrong answer would spoil.
+  const bool tells = scans_ >= least_scans && std::abs(share - 0.5) > 1.1 * sigma * sigma;
+  const int vote = !tells ? 0 : share > 0.5 ? 1 : -1;
+  vertical_votes_ = vote == 0 ? 0 : vote * vertical_votes_ > 0 ? vertical_votes_ + vote : vote;
+  if (std::abs(vertical_votes_) < 3) return;
+  vertical_settled_ = true;
+  prior_mean_[2 * rings_] = vote > 0 ? 1.0 : 0.0;
+  prior_weight_[2 * rings_] = fixed_weight;
+}
+
+}  // namespace sgraph

@@ -1,0 +1,186 @@
+#include "sgraph_slam/core/odometry/ring_calibrator.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <fstream>
+
+#include "sgraph_slam/core/sensor/ring_table.hpp"
+#include "sgraph_slam/core/util/rng.hpp"
+
+namespace sgraph {
+namespace {
+
+constexpr double degree = M_PI / 180;
+
+struct Unit {
+  std::vector<double> range = std::vector<double>(16, 0.0);      // [m]
+  std::vector<double> elevation = std::vector<double>(16, 0.0);  // [rad]
+  double share = 0;                                              // of the vertical offsets that the cloud lacks
+  double noise = 0.007;                                          // [m]
+};
+
+Unit unit_of(std::uint64_t seed, double share) {
+  RandomStream random(seed, 5);
+  Unit unit;
+  unit.share = share;
+  double mean = 0;
+  for (std::size_t k = 0; k < 16; ++k) {
+    unit.range[k] = 0.006 * random.next_normal();
+    unit.elevation[k] = 0.03 * degree * random.next_normal();
+    mean += unit.range[k] / 16;
+  }
+  for (double& offset : unit.range) offset -= mean;
+  return unit;
+}
+
+// What the unit reports from a pose within a house of three rooms (boxes side by side along x, each its own height of ceiling).
+Cloud scan_of(const Unit& unit, const Pose& pose, RandomStream& random) {
+  Cloud cloud;
+  cloud.stamp = Stamp::from_seconds(100);
+  const double room = std::floor(pose.translation.x() / 7);
+  const Eigen::Vector3d low(7 * room, 0, 0), high(7 * room + 6.8, 5.5, room == 1 ? 3.0 : 2.6);
+  for (int column = 0; column < 360; ++column) {
+    for (std::size_t k = 0; k < 16; ++k) {
+      const double azimuth = -2 * M_PI * (column + 0.05 * static_cast<double>(k)) / 360;
+      const double nominal = (-15 + 2 * static_cast<double>(k)) * degree;
+      const auto ray = [&](double e) { return Eigen::Vector3d(std::cos(e) * std::cos(azimuth), std::cos(e) * std::sin(azimuth), std::sin(e)); };
+      const Eigen::Vector3d direction = pose.rotation * ray(nominal + unit.elevation[k]);
+      const Eigen::Vector3d origin = pose * Eigen::Vector3d(0, 0, unit.share * vlp16_vertical_offsets()[k]);
+      double range = 1e9;
+      for (int axis = 0; axis < 3; ++axis) {
+        const double wall = direction[axis] > 0 ? high[axis] : low[axis];
+        if (std::abs(direction[axis]) > 1e-9) range = std::min(range, (wall - origin[axis]) / direction[axis]);
+      }
+      Point point;
+      point.set_position(((range + unit.range[k] + unit.noise * random.next_normal()) * ray(nominal)).cast<float>());
+      point.ring = static_cast<std::uint16_t>(k);
+      cloud.points.push_back(point);
+    }
+  }
+  return cloud;
+}
+
+CalibrationParams estimating() {
+  CalibrationParams params;
+  params.mode = "auto";
+  return params;
+}
+
+// Walks up and down through the rooms; the odometry is off by a few millimetres.
+std::shared_ptr<const RingCalibration> walked(const Unit& unit, int steps, const CalibrationParams& params = estimating()) {
+  RingCalibrator calibrator(params);
+  RandomStream random(3, 1);
+  for (int step = 0; step < steps; ++step) {
+    const double way = 0.25 * step;
+    const double x = std::abs(std::remainder(way + 1, 38.0)) + 1;
+    Pose pose;
+    pose.translation = {std::min(x, 19.5), 2.7 + 1.6 * std::sin(0.4 * way), 0.9};
+    pose.rotation = Eigen::AngleAxisd(0.5 * way, Eigen::Vector3d::UnitZ()) * Eigen::AngleAxisd(0.01 * std::sin(way), Eigen::Vector3d::UnitX());
+    const auto raw = std::make_shared<Cloud>(scan_of(unit, pose, random));
+    calibrator.recognise(*raw);
+    Pose estimate = pose;
+    estimate.translation += 0.002 * Eigen::Vector3d(random.next_normal(), random.next_normal(), random.next_normal());
+    calibrator.add(*calibrator.calibration()->corrected(raw), estimate);
+  }
+  return calibrator.calibration();
+}
+
+double range_error(const RingCalibration& calibration, const Unit& unit) {
+  double squares = 0;
+  for (std::size_t k = 0; k < 16; ++k) squares += std::pow(calibration.beams[k].range_offset - unit.range[k], 2);
+  return std::sqrt(squares / 16);
+}
+
+TEST(RingCalibrator, FindsTheOffsetsOfAUnit) {
+  int vertical = 0;
+  for (const double share : {0.0, 1.0}) {
+    for (std::uint64_t seed = 1; seed <= 3; ++seed) {
+      const Unit unit = unit_of(seed, share);
+      const auto calibration = walked(unit, 400);
+      ASSERT_EQ(calibration->beams.size(), 16U);
+      EXPECT_LT(range_error(*calibration, unit), 0.001);
+      // Never wrong; whether it has been settled depends on the unit's elevations.
+      EXPECT_EQ(calibration->vertical_share > 0.5, share > 0.5) << calibration->vertical_share << " " << calibration->vertical_sigma;
+      EXPECT_LE(calibration->vertical_applied, share > 0.5);
+      vertical += calibration->vertical_applied;
+      if (calibration->vertical_applied != (share > 0.5)) continue;  // the elevations hold what isn't taken out
+      for (std::size_t k = 0; k < 16; ++k) {
+        const BeamCalibration& beam = calibration->beams[k];
+        EXPECT_TRUE(beam.range_applied);
+        EXPECT_LT(std::abs(beam.range_offset - unit.range[k]), 4 * beam.range_sigma);
+        EXPECT_LT(std::abs(beam.elevation_offset - unit.elevation[k]), 4 * beam.elevation_sigma);
+      }
+      // What stretches the building in height can't be told; the beams that see the floor agree with each other.
+      const auto error = [&](std::size_t k) { return calibration->beams[k].elevation_offset - unit.elevation[k]; };
+      for (std::size_t k = 1; k < 3; ++k) EXPECT_LT(std::abs(error(k) - error(0)), 0.01 * degree) << k;
+    }
+  }
+  EXPECT_GE(vertical, 1);
+}
+
+TEST(RingCalibrator, AUnitWithoutErrorsComesOutAsOne) {
+  Unit unit;
+  unit.noise = 0.02;
+  const auto calibration = walked(unit, 400);
+  for (const BeamCalibration& beam : calibration->beams) {
+    EXPECT_LT(std::abs(beam.range_offset), 0.0012);  // three standard deviations with a noise of 2 cm
+    if (beam.elevation_applied) {
+      EXPECT_LT(std::abs(beam.elevation_offset), 0.015 * degree);
+    }
+  }
+  EXPECT_FALSE(calibration->vertical_applied);
+}
+
+TEST(RingCalibrator, NothingIsTakenOutBeforeTheDataHoldsIt) {
+  const auto calibration = walked(unit_of(1, 0), 30);
+  EXPECT_FALSE(calibration->corrects());
+  CalibrationParams off;
+  off.mode = "off";
+  EXPECT_FALSE(walked(unit_of(1, 0), 100, off)->corrects());
+}
+
+TEST(RingCalibrator, SavedAndTakenUpAgain) {
+  const Unit unit = unit_of(2, 0);
+  const auto calibration = walked(unit, 400);
+  const std::string path = testing::TempDir() + "calibration.yaml";
+  std::ofstream(path) << to_yaml(*calibration);
+  const RingCalibration read = read_calibration(path);
+  ASSERT_EQ(read.beams.size(), 16U);
+  for (std::size_t k = 0; k < 16; ++k) {
+    EXPECT_NEAR(read.beams[k].range_offset, calibration->beams[k].range_offset, 1e-6);
+    EXPECT_EQ(read.beams[k].elevation_applied, calibration->beams[k].elevation_applied);
+  }
+  CalibrationParams fixed;
+  fixed.mode = "fixed";
+  fixed.file = path;
+  EXPECT_LT(range_error(*walked(unit, 5, fixed), unit), 0.001);
+  CalibrationParams on = estimating();
+  on.file = path;
+  const auto again = walked(unit, 30, on);
+  EXPECT_TRUE(again->corrects());
+  EXPECT_LT(range_error(*again, unit), 0.001);
+
+  std::ofstream(path) << "beams: nothing\n";
+  EXPECT_THROW(read_calibration(path), std::runtime_error);
+  EXPECT_THROW(read_calibration("/nowhere/at/all.yaml"), std::runtime_error);
+}
+
+TEST(RingCalibration, TakesTheOffsetsOut) {
+  RingCalibration calibration;
+  calibration.beams.resize(16);
+  calibration.beams[3] = {0.01, 0, true, 0.001, 0, true};
+  auto cloud = std::make_shared<Cloud>();
+  Point p;
+  p.set_position({3, 4, 0});
+  p.ring = 3;
+  cloud->points = {p, p};
+  cloud->points[1].ring = 4;
+  const CloudPtr corrected = calibration.corrected(cloud);
+  EXPECT_NEAR(corrected->points[0].position().norm(), 4.99F, 1e-5F);
+  EXPECT_NEAR(corrected->points[0].z, 4.99F * 0.001F, 1e-6F);
+  EXPECT_EQ(corrected->points[1].position(), p.position());
+}
+
+}  // namespace
+}  // namespace sgraph
