@@ -15,7 +15,7 @@ std::optional<Keyframe> KeyframeSelector::add(const FinalScan& scan) {
   }
   scans_.push_back(scan);
   if (!previous_) return close();
-  if (!scan.explained) return std::nullopt;
+  if (!scan.accepted) return std::nullopt;
   const double distance = (scan.T_odom_base.translation - previous_->T_odom_base.translation).norm();
   const double angle = rotation_angle(previous_->T_odom_base.rotation, scan.T_odom_base.rotation);
   const bool late = params_.time > 0 && scan.stamp - previous_->stamp >= params_.time;
@@ -56,7 +56,7 @@ Keyframe KeyframeSelector::close() {
 
 CloudPtr KeyframeSelector::merged_cloud(const FinalScan& last) const {
   const bool only_last = params_.cloud == "scan" || scans_.size() == 1;
-  if (only_last && last.explained) return last.cloud;
+  if (only_last && last.accepted) return last.cloud;
   auto merged = std::make_shared<Cloud>();
   merged->stamp = last.stamp;
   merged->frame = last.cloud->frame;
@@ -68,7 +68,7 @@ CloudPtr KeyframeSelector::merged_cloud(const FinalScan& last) const {
   const Pose T_lidar_odom = (last.T_odom_base * T_base_lidar_).inverse();
   // The newest scan first: its points are exact, and where two share a voxel the one nearer in time is kept.
   for (auto scan = scans_.rbegin(); scan != scans_.rend(); ++scan) {
-    if (!scan->explained) continue;
+    if (!scan->accepted) continue;
     const Pose motion = T_lidar_odom * (scan->T_odom_base * T_base_lidar_);
     const Eigen::Matrix3f rotation = motion.matrix().cast<float>();
     const Eigen::Vector3f translation = motion.translation.cast<float>();

@@ -51,7 +51,7 @@ void MotionSensors::add(const ImuSample& sample) {
   if (sample.angular_velocity.allFinite()) append(gyro_, sample);
 }
 
-std::optional<Eigen::Quaterniond> MotionSensors::turn_of_base(Stamp begin, Stamp end) const {
+std::optional<Eigen::Quaterniond> MotionSensors::base_rotation_by_gyro(Stamp begin, Stamp end) const {
   if (!covers(gyro_, begin, end)) return std::nullopt;
   Eigen::Quaterniond turn = Eigen::Quaterniond::Identity();
   Stamp at = begin;
@@ -71,7 +71,7 @@ std::optional<Eigen::Quaterniond> MotionSensors::turn_of_base(Stamp begin, Stamp
   return turn.normalized();
 }
 
-std::optional<Pose> MotionSensors::way_of_base(Stamp begin, Stamp end) const {
+std::optional<Pose> MotionSensors::base_motion_by_odometry(Stamp begin, Stamp end) const {
   if (!covers(odometry_, begin, end)) return std::nullopt;
   for (std::size_t i = index_before(odometry_, begin); i <= index_before(odometry_, end); ++i) {
     if (odometry_[i + 1].stamp - odometry_[i].stamp > longest_hole) return std::nullopt;
@@ -85,15 +85,15 @@ std::optional<Pose> MotionSensors::way_of_base(Stamp begin, Stamp end) const {
   return at(begin).inverse() * at(end);
 }
 
-std::optional<Eigen::Quaterniond> MotionSensors::turn(Stamp begin, Stamp end) const {
+std::optional<Eigen::Quaterniond> MotionSensors::rotation_by_gyro(Stamp begin, Stamp end) const {
   if (disagreement_ > most_disagreement) return std::nullopt;
-  const auto turn = turn_of_base(begin, end);
-  if (!turn) return std::nullopt;
-  return T_base_lidar_.rotation.conjugate() * *turn * T_base_lidar_.rotation;
+  const auto rotation = base_rotation_by_gyro(begin, end);
+  if (!rotation) return std::nullopt;
+  return T_base_lidar_.rotation.conjugate() * *rotation * T_base_lidar_.rotation;
 }
 
-std::optional<Pose> MotionSensors::way(Stamp begin, Stamp end) const {
-  const auto way = way_of_base(begin, end);
+std::optional<Pose> MotionSensors::motion_by_odometry(Stamp begin, Stamp end) const {
+  const auto way = base_motion_by_odometry(begin, end);
   if (!way) return std::nullopt;
   return of_lidar(*way);
 }
@@ -101,14 +101,14 @@ std::optional<Pose> MotionSensors::way(Stamp begin, Stamp end) const {
 std::vector<MeasuredMotion> MotionSensors::between(Stamp begin, Stamp end) const {
   std::vector<MeasuredMotion> measured;
   const double time = end - begin;
-  if (const auto turned = turn(begin, end)) {
+  if (const auto turned = rotation_by_gyro(begin, end)) {
     MeasuredMotion m;
     m.motion.rotation = *turned;
     const double sigma = gyro_sigma + gyro_scale * so3_log(*turned).norm();
     m.information.diagonal().head<3>().setConstant(1.0 / (sigma * sigma + bias_variance_ * time * time));
     measured.push_back(m);
   }
-  if (const auto way = way_of_base(begin, end)) {
+  if (const auto way = base_motion_by_odometry(begin, end)) {
     const double heading = heading_sigma + heading_scale * std::abs(so3_log(way->rotation).z());
     const double along = way_sigma + way_scale * way->translation.norm();
     Vector6 sigma;
@@ -124,7 +124,7 @@ std::vector<MeasuredMotion> MotionSensors::between(Stamp begin, Stamp end) const
 
 void MotionSensors::learn(Stamp begin, Stamp end, const Eigen::Quaterniond& turn) {
   const double time = end - begin;
-  const auto measured = turn_of_base(begin, end);
+  const auto measured = base_rotation_by_gyro(begin, end);
   if (!measured || time <= 0) return;
   const Eigen::Quaterniond known = T_base_lidar_.rotation * turn * T_base_lidar_.rotation.conjugate();
   const Eigen::Vector3d off = so3_log(known.conjugate() * *measured) / time;

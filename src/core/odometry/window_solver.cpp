@@ -136,7 +136,7 @@ class Problem {
       s.ur[1] += (after * w) * term.b;
     }
     for (std::size_t i = 0; i < sums.size(); ++i) {
-      if (i < problem_.held.size()) project(problem_.held[i], sums[i]);
+      if (i < problem_.observable.size()) project(problem_.observable[i], sums[i]);
       add_segment(static_cast<int>(i), sums[i], l);
     }
   }
@@ -186,8 +186,8 @@ class Problem {
       jacobian.block<3, 3>(3, 15).diagonal().setConstant(c2);
       Vector6 e;
       const VelocityPrior& prior = problem_.prior[i];
-      const Eigen::Matrix3d wr = whitening(prior.rotation_sigma, to_here * prior.turned) / growth;
-      const Eigen::Matrix3d wt = whitening(prior.translation_sigma, prior.moved) / growth;
+      const Eigen::Matrix3d wr = whitening(prior.rotation_sigma, to_here * prior.rotated) / growth;
+      const Eigen::Matrix3d wt = whitening(prior.translation_sigma, prior.translated) / growth;
       jacobian.topRows<3>() = (wr * jacobian.topRows<3>()).eval();
       jacobian.bottomRows<3>() = (wt * jacobian.bottomRows<3>()).eval();
       e << wr * turn, wt * way;

@@ -23,12 +23,13 @@ constexpr double same_normals = 0.99;
 // Square of the cosine between rays and normal above which points tell of the noise along the ray.
 constexpr float steep = 0.25F;
 
-// Points after which a flat Gaussian takes no more of those beside it. A metre of wall with a hand's breadth of the floor at its foot is flat enough to
-// be used, and leans; in a corridor all of them lean the same way, and the map twists. The first points are taken as they come: nothing is known yet.
+// Points after which a flat Gaussian takes no more of those beside it. A metre of wall with a hand's breadth of the floor at its foot is flat enough
+// to be used, and leans; in a corridor all of them lean the same way, and the map twists. The first points are taken as they come: nothing is known
+// yet.
 constexpr int settled_count = 50;
 
 // Enough new points to be worth another fit: every change while there are few, then every tenth part.
-bool worth_a_fit(int count, int fitted) { return count > fitted + fitted / 10; }
+bool needs_refit(int count, int fitted) { return count > fitted + fitted / 10; }
 
 template <typename Scalar>
 void add_outer_product(const Eigen::Matrix<Scalar, 3, 1>& p, std::array<Scalar, 6>& sum) {
@@ -109,7 +110,7 @@ void SurfaceMap::insert(const Eigen::Vector3d& point, const Eigen::Vector3d& sen
       ++face->with_normal;
     }
     ++face->count;
-    if (!face->changed && face->count >= params_.min_points && worth_a_fit(face->count, face->fitted)) {
+    if (!face->changed && face->count >= params_.min_points && needs_refit(face->count, face->fitted)) {
       face->changed = true;
       level.changed.push_back(i);
     }

@@ -66,12 +66,12 @@ TEST(KeyframeSelector, PutsNoPointsOnTheMapFromPosesThatAreOnlyPredicted) {
     std::vector<Keyframe> keyframes;
     for (int i = 0; i < 30; ++i) {
       FinalScan scan = scan_at(i, 0.2 * i, 0);
-      scan.explained = i < 10 || i > 20;
-      if (!scan.explained) scan.T_odom_base.translation.y() = 3;  // carried away
+      scan.accepted = i < 10 || i > 20;
+      if (!scan.accepted) scan.T_odom_base.translation.y() = 3;  // carried away
       if (auto keyframe = selector.add(scan)) keyframes.push_back(*keyframe);
     }
     FinalScan lost = scan_at(30, 6, 0);
-    lost.explained = false;
+    lost.accepted = false;
     selector.add(lost);
     if (auto keyframe = selector.finish()) keyframes.push_back(*keyframe);
     std::size_t scans = 0;

@@ -50,9 +50,9 @@ TEST(MotionSensors, LeavesOutHolesAndNonsense) {
   sensors.add(rate_at(0.01, {0, 0, std::numeric_limits<double>::quiet_NaN()}));
   sensors.add(rate_at(1.0, {0, 0, 1}));
   sensors.add(rate_at(0.5, {0, 0, 9}));
-  EXPECT_FALSE(sensors.turn(Stamp::from_seconds(0.1), Stamp::from_seconds(0.2))) << "a second without a reading";
+  EXPECT_FALSE(sensors.rotation_by_gyro(Stamp::from_seconds(0.1), Stamp::from_seconds(0.2))) << "a second without a reading";
   for (int i = 1; i < 20; ++i) sensors.add(rate_at(1 + 0.01 * i, {0, 0, 1}));
-  const auto turn = sensors.turn(Stamp::from_seconds(1.0), Stamp::from_seconds(1.1));
+  const auto turn = sensors.rotation_by_gyro(Stamp::from_seconds(1.0), Stamp::from_seconds(1.1));
   ASSERT_TRUE(turn);
   EXPECT_NEAR(yaw_of(*turn), 0.1, 1e-9);
 }
@@ -82,7 +82,7 @@ TEST(MotionSensors, StopsListeningToAGyroThatIsWrong) {
     sensors.add(rate_at(0.01 * i, {nonsense(random), nonsense(random), nonsense(random)}));
     if (i >= 20 && i % 10 == 0) sensors.learn(Stamp::from_seconds(0.01 * i - 0.1), Stamp::from_seconds(0.01 * i), Eigen::Quaterniond::Identity());
   }
-  EXPECT_FALSE(sensors.turn(Stamp::from_seconds(9.8), Stamp::from_seconds(9.9)));
+  EXPECT_FALSE(sensors.rotation_by_gyro(Stamp::from_seconds(9.8), Stamp::from_seconds(9.9)));
 }
 
 }  // namespace

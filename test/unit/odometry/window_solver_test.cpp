@@ -69,7 +69,7 @@ TEST(WindowSolver, LeavesFreeDirectionsToThePrior) {
   WindowProblem problem = moving(corridor, 1.0, {Eigen::Quaterniond::Identity(), {0, 0.03, 0}}, {0.0009, 0.0015});
   Matrix6 held = Matrix6::Identity();
   held(3, 3) = 0;
-  problem.held.assign(3, held);
+  problem.observable.assign(3, held);
   solve_window(corridor.map, problem, {});
   EXPECT_NEAR(problem.knots[3].pose.translation.x(), 0.15, 1e-4);
   EXPECT_NEAR(problem.knots[3].pose.translation.y(), 0, 0.005);
@@ -79,7 +79,7 @@ TEST(WindowSolver, LeavesFreeDirectionsToThePrior) {
 TEST(WindowSolver, ThePriorGivesWayAlongTheChangeAlone) {
   const Room empty{SurfaceMap{SurfaceMapParams{}}, {}};
   VelocityPrior prior{0.0009, 0.0015};
-  prior.moved = {0, 0.05, 0};
+  prior.translated = {0, 0.05, 0};
   WindowProblem problem = moving(empty, 0, {}, prior);
   MeasuredMotion push;  // another sensor says that it went 2 cm each way
   push.motion.translation = {0.02, 0.02, 0};

@@ -16,7 +16,7 @@ struct FinalScan {
   Matrix6 covariance = Matrix6::Zero();  ///< of the registration against the local map, base frame
   std::vector<Vector6> degenerate;       ///< directions that it didn't hold, base frame
   CloudPtr cloud;                        ///< LiDAR frame, motion taken out
-  bool explained = true;                 ///< false: the pose is only a prediction
+  bool accepted = true;                  ///< false: the pose is only a prediction
 };
 
 /// What an odometry adds to the uncertainty of a motion by the way that it takes; standard deviations.

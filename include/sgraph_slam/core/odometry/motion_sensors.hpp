@@ -29,8 +29,8 @@ class MotionSensors {
   [[nodiscard]] std::vector<MeasuredMotion> between(Stamp begin, Stamp end) const;
 
   /// Rotation of the LiDAR by the gyro, and its motion by the robot's odometry.
-  [[nodiscard]] std::optional<Eigen::Quaterniond> turn(Stamp begin, Stamp end) const;
-  [[nodiscard]] std::optional<Pose> way(Stamp begin, Stamp end) const;
+  [[nodiscard]] std::optional<Eigen::Quaterniond> rotation_by_gyro(Stamp begin, Stamp end) const;
+  [[nodiscard]] std::optional<Pose> motion_by_odometry(Stamp begin, Stamp end) const;
 
   /// The LiDAR's rotation between two moments, known otherwise.
   void learn(Stamp begin, Stamp end, const Eigen::Quaterniond& turn);
@@ -39,8 +39,8 @@ class MotionSensors {
   [[nodiscard]] const Eigen::Vector3d& gyro_bias() const { return bias_; }
 
  private:
-  [[nodiscard]] std::optional<Eigen::Quaterniond> turn_of_base(Stamp begin, Stamp end) const;
-  [[nodiscard]] std::optional<Pose> way_of_base(Stamp begin, Stamp end) const;
+  [[nodiscard]] std::optional<Eigen::Quaterniond> base_rotation_by_gyro(Stamp begin, Stamp end) const;
+  [[nodiscard]] std::optional<Pose> base_motion_by_odometry(Stamp begin, Stamp end) const;
   [[nodiscard]] Pose of_lidar(const Pose& motion_of_base) const { return T_base_lidar_.inverse() * motion_of_base * T_base_lidar_; }
 
   Pose T_base_lidar_;

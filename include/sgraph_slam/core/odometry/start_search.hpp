@@ -9,13 +9,16 @@
 
 namespace sgraph {
 
-/// Where the sensor was when a scan was last understood, for a scan that ends at `time`.
+/// Time [s] between scans after which a motion predicted from the last one means little.
+constexpr double long_gap = 0.3;
+
+/// Where the sensor was when a scan was last accepted, for a scan that ends at `time`.
 struct LastKnown {
   Knot knot;           ///< LiDAR in odom
   double time = 0;     ///< [s], of the knots' clock
   Eigen::Vector3d up;  ///< in odom, |up| = 1
 
-  [[nodiscard]] double blind() const { return time - knot.time; }
+  [[nodiscard]] double lost_for() const { return time - knot.time; }
 };
 
 /// Whether a walking or driving robot can have needed the correction, and have come to `now` [LiDAR in odom], since then. Both stay on the floor: the
@@ -23,7 +26,7 @@ struct LastKnown {
 bool plausible(const LastKnown& known, const RigidAlignmentResult& alignment, const Pose& now);
 
 /// Corrections of the prediction to try when it is far off: the predicted motion or none since the last scan (`held`), each set upright by `upright`
-/// and turned to the left and right, the further the longer nothing was understood.
+/// and turned to the left and right, the further the longer nothing was accepted.
 std::vector<Pose> other_starts(const LastKnown& known, const Pose& predicted, const Pose& held, const Eigen::Quaterniond& upright);
 
 }  // namespace sgraph

@@ -20,10 +20,10 @@ struct Keypoint {
 
 /// How much the velocity may change from one segment to the next.
 struct VelocityPrior {
-  double rotation_sigma = 0;                         ///< change of the rotation over a 50 ms step [rad]
-  double translation_sigma = 0;                      ///< change of the way over a 50 ms step [m]
-  Eigen::Vector3d turned = Eigen::Vector3d::Zero();  ///< standard deviation along a direction, beside these [rad, odom's axes]
-  Eigen::Vector3d moved = Eigen::Vector3d::Zero();   ///< likewise of the way [m]
+  double rotation_sigma = 0;                             ///< change of the rotation over a 50 ms step [rad]
+  double translation_sigma = 0;                          ///< change of the way over a 50 ms step [m]
+  Eigen::Vector3d rotated = Eigen::Vector3d::Zero();     ///< standard deviation along a direction, beside these [rad, odom's axes]
+  Eigen::Vector3d translated = Eigen::Vector3d::Zero();  ///< likewise of the way [m]
 };
 
 /// Another sensor's measurement of the motion along a segment.
@@ -37,7 +37,8 @@ struct WindowProblem {
   int first_free = 0;                ///< knots before this one are held
   std::vector<VelocityPrior> prior;  ///< a knot; held at the knots 1 .. size - 2, between the segments before and after
   std::vector<Keypoint> keypoints;
-  std::vector<Matrix6> held;  ///< a segment: projection of its knots' steps onto the directions that its points hold; the others are the prior's
+  std::vector<Matrix6>
+      observable;  ///< a segment: projection of its knots' steps onto the directions that its points hold; the others are the prior's
   std::vector<SegmentMeasurement> measurements;
   Eigen::Vector3d up = Eigen::Vector3d::UnitZ();  ///< in odom; a sway along it dies away where the points don't tell the height
 };

@@ -1,0 +1,41 @@
+#pragma once
+
+#include <optional>
+
+#include "sgraph_slam/core/odometry/params.hpp"
+#include "sgraph_slam/core/registration/surface_map.hpp"
+#include "sgraph_slam/core/types/cloud.hpp"
+#include "sgraph_slam/core/types/pose.hpp"
+
+namespace sgraph {
+
+/// Puts a deskewed scan's points into a map: one in a voxel of `leaf` [m], each with the normal that its scan shows.
+void insert_scan(SurfaceMap& map, const Cloud& deskewed, const Pose& T_map_lidar, double leaf, Placing placing);
+
+/// The odometry's local map, and what is read from it.
+class MapUpdater {
+ public:
+  explicit MapUpdater(const OdometryParams& params) : params_(params.map), leaf_(params.map_leaf), map_(params.map) {}
+
+  void insert(const Cloud& deskewed, const Pose& T_odom_lidar, Placing placing) { insert_scan(map_, deskewed, T_odom_lidar, leaf_, placing); }
+  void clear() { map_ = SurfaceMap(params_); }
+  /// Looks for the vertical while it isn't known.
+  void find_vertical();
+
+  /// A map of one deskewed scan alone.
+  [[nodiscard]] SurfaceMap map_of(const Cloud& deskewed, const Pose& T_map_lidar) const;
+
+  [[nodiscard]] const SurfaceMap& map() const { return map_; }
+  /// Standard deviation of a residual [m]: range noise, and what the map doesn't know.
+  [[nodiscard]] double noise() const;
+  /// The building's vertical in odom, |up| = 1; that of the first scan's base until floors and ceilings have shown it.
+  [[nodiscard]] Eigen::Vector3d up() const { return vertical_.value_or(Eigen::Vector3d::UnitZ()); }
+
+ private:
+  SurfaceMapParams params_;
+  double leaf_;
+  SurfaceMap map_;
+  std::optional<Eigen::Vector3d> vertical_;
+};
+
+}  // namespace sgraph
