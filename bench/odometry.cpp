@@ -85,10 +85,9 @@ void window_step(benchmark::State& state) {
   for (int scan = mapped; scan < scan_count; ++scan) {
     for (const Point& p : thinned(s.scans[static_cast<std::size_t>(scan)]->points, params.keypoint_leaf)) {
       const SegmentTime at = locate(problem.knots, s.time(scan) + static_cast<double>(p.time));
-      problem.keypoints.push_back({p.position().cast<double>(), at.segment, at.fraction});
+      problem.keypoints.push_back({p.position().cast<double>(), Eigen::Vector3d::Zero(), at.segment, at.fraction, scan + 1 == scan_count});
     }
   }
-  std::stable_sort(problem.keypoints.begin(), problem.keypoints.end(), [](const Keypoint& a, const Keypoint& b) { return a.segment < b.segment; });
   for (std::size_t i = 3; i < problem.knots.size(); ++i) problem.knots[i].pose.translation += Eigen::Vector3d(0.01, -0.01, 0.005);
   for (auto _ : state) {
     WindowProblem copy = problem;

@@ -11,6 +11,7 @@ namespace {
 constexpr double far_rotation = 0.1;      // [rad], and
 constexpr double far_translation = 0.15;  // [m]: corrections of the prediction that ask for better support:
 constexpr double far_share = 0.3;         // of the usual share of matches
+constexpr double least_agreement = 0.6;   // of the points that come near a surface, on it: a scan of another place has them at any distance
 constexpr double new_share = 0.2;         // of the newest scan in the usual share
 constexpr int longest_lost = 5;           // scans without registration over which the motion is believed to go on
 constexpr int longest_mistrust = 20;      // scans after which even what the map doesn't explain goes into it
@@ -22,7 +23,7 @@ AcceptanceVerdict Acceptance::accept_or_reject(const WindowResult& solved, const
   // A scan that ended far from its prediction must be supported better than one that is where it was expected (a doorway shows little that is known).
   const bool far = alignment.rotation > far_rotation || alignment.translation > far_translation;
   const double needed = std::max(min_inliers_, far ? far_share * usual_share_ : 0.0);
-  if (solved.inlier_share >= needed && plausible(last_known(end.time, up), alignment, end.pose)) {
+  if (solved.inlier_share >= needed && solved.agreement >= least_agreement && plausible(last_known(end.time, up), alignment, end.pose)) {
     before_ = known_;
     known_ = end;
     rejected_ = 0;

@@ -14,10 +14,12 @@ namespace sgraph {
 namespace {
 
 constexpr std::size_t fewest_points = 50;
-constexpr double no_times = 1e-3;         // clouds whose points span less [s] have one pose
-constexpr double broken_motion = 0.05;    // [s] between scans after which what the last one shows of the velocity is too little
-constexpr double covariance_scale = 9.0;  // points on one surface share its errors: their residuals are not independent
-constexpr int first_rounds = 4;           // of finding the motion during the first scan
+constexpr double no_times = 1e-3;                   // clouds whose points span less [s] have one pose
+constexpr double broken_motion = 0.05;              // [s] between scans after which what the last one shows of the velocity is too little
+constexpr double covariance_scale = 9.0;            // points on one surface share its errors: their residuals are not independent
+constexpr double usual_acceleration = 1.0;          // [m/s^2], and
+constexpr double usual_angular_acceleration = 3.0;  // [rad/s^2] of a robot or a person, by which a predicted motion goes wrong
+constexpr int first_rounds = 4;                     // of finding the motion during the first scan
 
 CloudPtr moved(const Cloud& cloud, const Pose& T) {
   auto result = std::make_shared<Cloud>(cloud);
@@ -71,8 +73,11 @@ MotionOutput LidarOdometry::process(const CloudPtr& cloud) {
     solved = solve(alignment);
     WindowScan& newest = window_.newest();
     const AcceptanceVerdict verdict = acceptance_.accept_or_reject(solved, alignment, {newest.end, window_.pose(newest.end)}, last_end_, local_.up());
-    if (!verdict.accepted) keep_prediction(prediction, verdict, newest);
-    estimate_covariance(newest, solved, alignment.free_directions);
+    if (verdict.accepted) {
+      estimate_covariance(newest, solved, alignment.free_directions);
+    } else {
+      keep_prediction(prediction, verdict, newest);
+    }
   }
   const WindowScan& newest = window_.newest();
   output.live = live_estimate(newest, solved);
@@ -194,6 +199,12 @@ void LidarOdometry::keep_prediction(const Knots& predicted, const AcceptanceVerd
   window_.set_knots(std::move(kept));
   scan.accepted = false;
   scan.enters_map = verdict.enters_map;
+  // Nothing holds it but what a robot can do in the time.
+  const double time = scan.end - acceptance_.last_known(scan.end, local_.up()).knot.time;
+  scan.covariance.setZero();
+  scan.covariance.diagonal().head<3>().setConstant(std::pow(0.5 * usual_angular_acceleration * time * time, 2));
+  scan.covariance.diagonal().tail<3>().setConstant(std::pow(0.5 * usual_acceleration * time * time, 2));
+  for (int i = 0; i < 6; ++i) scan.degenerate.push_back(Vector6::Unit(i));
 }
 
 // How well the newest scan's pose is known, and in which directions it isn't.
@@ -244,6 +255,7 @@ FinalScan LidarOdometry::make_oldest_final() {
   const Pose T_odom_stamp = oldest.middle ? pose_between_middles(oldest) : T_odom_lidar;
   FinalScan final;
   final.cloud = window_.deskewed(oldest);
+  if (residual_sink_ && oldest.accepted) residual_sink_(oldest.cloud->stamp, residuals(oldest));
   const WindowScan scan = window_.pop();
   final.stamp = scan.cloud->stamp;
   final.covariance = scan.covariance;
@@ -256,8 +268,30 @@ FinalScan LidarOdometry::make_oldest_final() {
   // A gyro is compared with motions between poses that are known, not with predictions.
   if (scan.accepted && last_accepted_)
     sensors_.learn(stamp_at(last_accepted_->time), stamp_at(scan.time), last_accepted_->pose.rotation.conjugate() * T_odom_lidar.rotation);
+  sensors_.learn_motion(final.stamp, T_odom_lidar, scan.accepted && scan.degenerate.empty());
   last_accepted_ = scan.accepted ? std::optional(Knot{scan.time, T_odom_lidar}) : std::nullopt;
   return final;
+}
+
+std::vector<SurfaceResidual> LidarOdometry::residuals(const WindowScan& scan) const {
+  const double gate = 4.0 * local_.noise();
+  std::vector<SurfaceResidual> all;
+  for (const Point& point : scan.keypoints) {
+    const Pose T_odom_lidar = window_.pose(scan.time_of(point));
+    const Eigen::Vector3d in_odom = T_odom_lidar * point.position().cast<double>();
+    const Surface* surface = local_.map().match(in_odom, T_odom_lidar.translation, gate);
+    if (surface == nullptr) continue;
+    SurfaceResidual r;
+    r.range = point.position().norm();
+    r.direction = point.position() / r.range;
+    r.normal = (T_odom_lidar.rotation.conjugate() * surface->normal).cast<float>();
+    r.intensity = point.intensity;
+    r.ring = point.ring;
+    r.residual = static_cast<float>(surface->distance(in_odom));
+    r.sigma = static_cast<float>(std::sqrt(surface->variance));
+    all.push_back(r);
+  }
+  return all;
 }
 
 // A scan that got one pose shows best where it was at its middle: elsewhere the pose is off by what the motion taken out of it is wrong by. At the

@@ -19,7 +19,18 @@ SegmentMotion::SegmentMotion(const Pose& begin, const Pose& end)
 
 Eigen::Vector3d SegmentMotion::rotate(double fraction, const Eigen::Vector3d& p) const {
   const double a = fraction * angle_;
-  return rotation_ * p + std::sin(a) * (first_ * p) + (1.0 - std::cos(a)) * (second_ * p);
+  const double a2 = a * a;
+  double sine = 0;
+  double versine = 0;  // 1 - cos
+  if (a2 < 0.25) {
+    // Series, to 1e-11; hardly any sensor turns by half a radian between two knots.
+    sine = a * (1 - a2 / 6 * (1 - a2 / 20 * (1 - a2 / 42 * (1 - a2 / 72))));
+    versine = a2 / 2 * (1 - a2 / 12 * (1 - a2 / 30 * (1 - a2 / 56 * (1 - a2 / 90))));
+  } else {
+    sine = std::sin(a);
+    versine = 1.0 - std::cos(a);
+  }
+  return rotation_ * p + sine * (first_ * p) + versine * (second_ * p);
 }
 
 std::vector<SegmentMotion> segment_motions(const Knots& knots) {

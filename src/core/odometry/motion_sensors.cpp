@@ -19,8 +19,17 @@ constexpr double known_turn = 0.001;       // [rad] of a turn that the gyro is c
 constexpr double most_disagreement = 9.0;  // [standard deviations squared] on the average before the gyro is left out
 constexpr double forgetting = 0.02;        // of the average, a comparison
 // What a robot's odometry is trusted with: a share of the motion and something for its coarseness. It knows nothing of sway and tilt.
-constexpr double way_sigma = 0.005, way_scale = 0.05, height_sigma = 0.02;
-constexpr double heading_sigma = 0.005, heading_scale = 0.05, tilt_sigma = 0.02;
+constexpr double way_sigma = 0.005, height_sigma = 0.02;    // [m]
+constexpr double heading_sigma = 0.005, tilt_sigma = 0.02;  // [rad]
+constexpr double slip = 0.01;                               // share of a motion that systematic errors don't explain
+// Stretches over which it is compared with motion known otherwise: long against what that is known to.
+constexpr double long_enough = 0.5;          // [m], or
+constexpr double turned_enough = 0.5;        // [rad],
+constexpr double longest_stretch = 4.0;      // [s] at most
+constexpr double known_translation = 0.004;  // [m], and
+constexpr double known_rotation = 0.001;     // [rad] to which the other motion is known
+constexpr double believable = 16.0;          // squared standard deviations
+constexpr double error_walk = 1e-7;          // growth of the errors' variances a stretch: load and tyres change
 
 template <typename Sample>
 void append(std::deque<Sample>& samples, const Sample& sample) {
@@ -71,7 +80,7 @@ std::optional<Eigen::Quaterniond> MotionSensors::base_rotation_by_gyro(Stamp beg
   return turn.normalized();
 }
 
-std::optional<Pose> MotionSensors::base_motion_by_odometry(Stamp begin, Stamp end) const {
+std::optional<Pose> MotionSensors::raw_base_motion(Stamp begin, Stamp end) const {
   if (!covers(odometry_, begin, end)) return std::nullopt;
   for (std::size_t i = index_before(odometry_, begin); i <= index_before(odometry_, end); ++i) {
     if (odometry_[i + 1].stamp - odometry_[i].stamp > longest_hole) return std::nullopt;
@@ -83,6 +92,15 @@ std::optional<Pose> MotionSensors::base_motion_by_odometry(Stamp begin, Stamp en
     return interpolate(a.T_odom_base, b.T_odom_base, (stamp - a.stamp) / (b.stamp - a.stamp));
   };
   return at(begin).inverse() * at(end);
+}
+
+std::optional<Pose> MotionSensors::base_motion_by_odometry(Stamp begin, Stamp end) const {
+  auto motion = raw_base_motion(begin, end);
+  if (!motion) return std::nullopt;
+  const double turned = errors_.turn * so3_log(motion->rotation).z() + errors_.bend * motion->translation.x();
+  motion->translation *= 1 + errors_.scale;
+  motion->rotation = (motion->rotation * so3_exp({0, 0, turned})).normalized();
+  return motion;
 }
 
 std::optional<Eigen::Quaterniond> MotionSensors::rotation_by_gyro(Stamp begin, Stamp end) const {
@@ -109,8 +127,11 @@ std::vector<MeasuredMotion> MotionSensors::between(Stamp begin, Stamp end) const
     measured.push_back(m);
   }
   if (const auto way = base_motion_by_odometry(begin, end)) {
-    const double heading = heading_sigma + heading_scale * std::abs(so3_log(way->rotation).z());
-    const double along = way_sigma + way_scale * way->translation.norm();
+    const double length = way->translation.norm();
+    const double turned = std::abs(so3_log(way->rotation).z());
+    const double heading =
+        heading_sigma + std::hypot(slip, std::sqrt(errors_.turn_variance(0, 0))) * turned + std::sqrt(errors_.turn_variance(1, 1)) * length;
+    const double along = way_sigma + std::hypot(slip, std::sqrt(errors_.scale_variance)) * length;
     Vector6 sigma;
     sigma << tilt_sigma, tilt_sigma, heading, along, along, height_sigma;
     const Matrix6 to_base = se3_adjoint(T_base_lidar_);
@@ -135,6 +156,48 @@ void MotionSensors::learn(Stamp begin, Stamp end, const Eigen::Quaterniond& turn
   // A single wild reading must not move it.
   bias_ += gain * off * std::min(1.0, 0.1 / std::max(1e-9, off.norm()));
   bias_variance_ *= 1 - gain;
+}
+
+void MotionSensors::learn_motion(Stamp stamp, const Pose& T_odom_lidar, bool known) {
+  if (!known) {
+    known_since_.reset();
+    return;
+  }
+  const Pose T_odom_base = T_odom_lidar * T_base_lidar_.inverse();
+  if (!known_since_) {
+    known_since_ = {stamp, T_odom_base};
+    return;
+  }
+  const Pose motion = known_since_->second.inverse() * T_odom_base;
+  const bool enough = motion.translation.norm() > long_enough || so3_log(motion.rotation).norm() > turned_enough;
+  if (!enough && stamp - known_since_->first < longest_stretch) return;
+  if (const auto said = raw_base_motion(known_since_->first, stamp)) compare(*said, motion);
+  known_since_ = {stamp, T_odom_base};
+}
+
+// Two small Kalman filters: of the length, and of the turn.
+void MotionSensors::compare(const Pose& said, const Pose& known) {
+  const double length = said.translation.norm();
+  const double turned = so3_log(said.rotation).z();
+  const double off_length = known.translation.norm() - (1 + errors_.scale) * length;
+  const double length_noise = known_translation * known_translation + std::pow(slip * length, 2);
+  errors_.scale_variance += error_walk;
+  const double length_variance = length * length * errors_.scale_variance + length_noise;
+  if (length > 0.5 * long_enough && off_length * off_length < believable * length_variance) {
+    const double gain = errors_.scale_variance * length / length_variance;
+    errors_.scale += gain * off_length;
+    errors_.scale_variance *= 1 - gain * length;
+  }
+  const Eigen::Vector2d h(turned, said.translation.x());
+  const double off_turn = so3_log(known.rotation).z() - turned - h.dot(Eigen::Vector2d(errors_.turn, errors_.bend));
+  errors_.turn_variance.diagonal().array() += error_walk;
+  const double turn_variance = h.dot(errors_.turn_variance * h) + known_rotation * known_rotation + std::pow(slip * turned, 2);
+  if (off_turn * off_turn < believable * turn_variance) {
+    const Eigen::Vector2d gain = errors_.turn_variance * h / turn_variance;
+    errors_.turn += gain[0] * off_turn;
+    errors_.bend += gain[1] * off_turn;
+    errors_.turn_variance = ((Eigen::Matrix2d::Identity() - gain * h.transpose()) * errors_.turn_variance).eval();
+  }
 }
 
 }  // namespace sgraph

@@ -12,6 +12,7 @@ const char* to_string(ScanVerdict value) {
     case ScanVerdict::accepted: return "accepted";
     case ScanVerdict::too_few_points: return "too few points";
     case ScanVerdict::not_later: return "stamp not after the last one";
+    case ScanVerdict::stamp_jumped: return "stamp far ahead of those after it";
     case ScanVerdict::no_odometry: break;
   }
   return "no odometry at that time";
@@ -91,6 +92,7 @@ Odometry& Odometry::operator=(Odometry&&) noexcept = default;
 
 void Odometry::add(const OdometrySample& sample) { implementation_->source().add(sample); }
 void Odometry::add(const ImuSample& sample) { implementation_->source().add(sample); }
+void Odometry::observe_residuals(ResidualSink sink) { implementation_->source().observe_residuals(std::move(sink)); }
 OdometryOutput Odometry::process(const CloudPtr& scan) { return implementation_->process(scan); }
 OdometryOutput Odometry::finish() { return implementation_->finish(); }
 std::shared_ptr<const RingCalibration> Odometry::calibration() const { return implementation_->calibration(); }

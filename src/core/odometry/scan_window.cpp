@@ -87,14 +87,15 @@ WindowProblem ScanWindow::problem(const Eigen::Vector3d& up) const {
 std::vector<Keypoint> ScanWindow::keypoints() const {
   std::vector<Keypoint> all;
   for (const WindowScan& scan : scans_) {
+    if (!scan.accepted) continue;  // its motion is what the scans around it make it
+    const bool is_newest = &scan == &scans_.back();
     for (const Point& point : scan.keypoints) {
       const SegmentTime at = locate(knots_, scan.time_of(point));
       const Eigen::Vector3d p = point.position().cast<double>();
       const Surface* own = scan.own ? scan.own->match(p, Eigen::Vector3d::Zero(), own_surface) : nullptr;
-      all.push_back({p, own != nullptr ? own->normal : Eigen::Vector3d(Eigen::Vector3d::Zero()), at.segment, at.fraction});
+      all.push_back({p, own != nullptr ? own->normal : Eigen::Vector3d(Eigen::Vector3d::Zero()), at.segment, at.fraction, is_newest});
     }
   }
-  std::stable_sort(all.begin(), all.end(), [](const Keypoint& a, const Keypoint& b) { return a.segment < b.segment; });
   return all;
 }
 

@@ -26,10 +26,35 @@ struct SegmentSums {
   std::array<Vector6, 2> ur{Vector6::Zero(), Vector6::Zero()};
 };
 
+// The same before it is weighed: sums of u u^T, lower half, over slices of the segment within which `a` is nearly the same. A Gauss-Newton matrix
+// needs no more.
+constexpr int slices = 8;
+using SlicedSums = std::array<Matrix6, slices>;
+
+void add_outer_product(const Vector6& u, double weight, Matrix6& sum) {
+  for (int j = 0; j < 6; ++j) {
+    const double wu = weight * u[j];
+    for (int i = j; i < 6; ++i) sum(i, j) += wu * u[i];
+  }
+}
+
+void weigh(const SlicedSums& sliced, SegmentSums& sums) {
+  for (int k = 0; k < slices; ++k) {
+    const double after = (k + 0.5) / slices;
+    const double before = 1.0 - after;
+    const Matrix6& half = sliced[static_cast<std::size_t>(k)];
+    const Matrix6 uu = half.selfadjointView<Eigen::Lower>();
+    sums.uu[0] += before * before * uu;
+    sums.uu[1] += before * after * uu;
+    sums.uu[2] += after * after * uu;
+  }
+}
+
 struct Linearisation {
   double cost = 0;
-  int inliers = 0;     // of the last scan
-  int last_scan = 0;   // its keypoints
+  int inliers = 0;     // of the newest scan
+  int newest = 0;      // its keypoints,
+  int matched = 0;     // and those of them that are near a surface
   double squares = 0;  // of the inliers
   MatrixXd h;
   VectorXd b;
@@ -53,11 +78,11 @@ Eigen::Matrix3d whitening(double sigma, const Vector3d& d) {
 
 class Problem {
  public:
-  Problem(const SurfaceMap& map, const WindowProblem& problem, const WindowOptions& options) : map_(map), problem_(problem), options_(options) {
-    last_scan_segment_ = problem.keypoints.empty() ? 0 : problem.keypoints.back().segment;
-  }
+  Problem(const SurfaceMap& map, const WindowProblem& problem, const WindowOptions& options)
+      : map_(map), problem_(problem), options_(options), matches_(problem.keypoints.size()) {}
 
-  [[nodiscard]] Linearisation linearise(const Knots& knots, double kernel) const {
+  /// The kernel must not grow from call to call.
+  [[nodiscard]] Linearisation linearise(const Knots& knots, double kernel) {
     Linearisation l;
     const auto size = 6 * (static_cast<Eigen::Index>(knots.size()) - problem_.first_free);
     l.h = MatrixXd::Zero(size, size);
@@ -77,13 +102,6 @@ class Problem {
     Matrix6 h;
   };
 
-  static PointTerm along_normal(const Surface& surface, const Vector3d& p, const Vector3d& arm) {
-    const double r = surface.normal.dot(p - surface.mean);
-    Vector6 u;
-    u << arm.cross(surface.normal), surface.normal;
-    return {r * r, r * u, u * u.transpose()};
-  }
-
   // Mahalanobis distance of the point from the surface's mean, in units of the noise: with two parallel planes nearly what lies along the normal.
   [[nodiscard]] PointTerm between_distributions(const Surface& surface, const Vector3d& p, const Vector3d& arm, const Vector3d& normal) const {
     const double noise2 = options_.noise * options_.noise;
@@ -97,48 +115,67 @@ class Problem {
     return {off.dot(weight * off), weighted * off, weighted * jacobian};
   }
 
-  void add_points(const Knots& knots, double kernel, Linearisation& l) const {
+  void add_points(const Knots& knots, double kernel, Linearisation& l) {
     const std::vector<SegmentMotion> motions = segment_motions(knots);
     std::vector<SegmentSums> sums(motions.size());
+    std::vector<SlicedSums> sliced(motions.size());
+    for (SlicedSums& s : sliced) s.fill(Matrix6::Zero());
     const double k2 = kernel * kernel;
     const double information = 1.0 / (options_.noise * options_.noise);
     const double gate = options_.gate_scale * kernel;
-    for (const Keypoint& point : problem_.keypoints) {
+    for (std::size_t i = 0; i < problem_.keypoints.size(); ++i) {
+      const Keypoint& point = problem_.keypoints[i];
       const SegmentMotion& motion = motions[static_cast<std::size_t>(point.segment)];
       const Vector3d arm = motion.rotate(point.fraction, point.p_lidar);
       const Vector3d sensor = motion.origin(point.fraction);
       const Vector3d p = arm + sensor;
-      const bool newest = point.segment >= last_scan_segment_ - 1;
-      l.last_scan += newest;
-      const Surface* surface = map_.match(p, sensor, gate);
+      l.newest += point.newest;
+      const Surface* surface = matches_[i].find(map_, p, sensor, gate);
       if (surface == nullptr) {
         l.cost += k2 * information;  // where Geman-McClure levels off: losing a match never pays
         continue;
       }
-      const PointTerm term = options_.distributions ? between_distributions(*surface, p, arm, motion.rotate(point.fraction, point.normal))
-                                                    : along_normal(*surface, p, arm);
-      const double r2 = term.squared;
-      const double share = k2 / (k2 + r2);
-      l.cost += share * r2 * information;
-      if (newest && r2 < k2) {
+      l.matched += point.newest;
+      SegmentSums& s = sums[static_cast<std::size_t>(point.segment)];
+      SlicedSums& slice = sliced[static_cast<std::size_t>(point.segment)];
+      const auto k = static_cast<std::size_t>(std::clamp(static_cast<int>(slices * point.fraction), 0, slices - 1));
+      double r2 = 0;
+      double w = 0;
+      Vector6 b;
+      if (options_.distributions) {
+        const PointTerm term = between_distributions(*surface, p, arm, motion.rotate(point.fraction, point.normal));
+        r2 = term.squared;
+        w = weight(k2, r2, information);
+        b = w * term.b;
+        slice[k] += w * term.h;
+      } else {
+        const double r = surface->distance(p);
+        r2 = r * r;
+        w = weight(k2, r2, information);
+        Vector6 u;
+        u << arm.cross(surface->normal), surface->normal;
+        b = (w * r) * u;
+        add_outer_product(u, w, slice[k]);
+      }
+      l.cost += k2 / (k2 + r2) * r2 * information;
+      if (point.newest && r2 < k2) {
         ++l.inliers;
         l.squares += r2;
       }
-      const double w = share * share * information;
-      const double before = 1.0 - point.fraction;
-      const double after = point.fraction;
-      SegmentSums& s = sums[static_cast<std::size_t>(point.segment)];
-      const Matrix6 uu = w * term.h;
-      s.uu[0] += before * before * uu;
-      s.uu[1] += before * after * uu;
-      s.uu[2] += after * after * uu;
-      s.ur[0] += (before * w) * term.b;
-      s.ur[1] += (after * w) * term.b;
+      s.ur[0] += (1.0 - point.fraction) * b;
+      s.ur[1] += point.fraction * b;
     }
     for (std::size_t i = 0; i < sums.size(); ++i) {
+      weigh(sliced[i], sums[i]);
       if (i < problem_.observable.size()) project(problem_.observable[i], sums[i]);
       add_segment(static_cast<int>(i), sums[i], l);
     }
+  }
+
+  // Geman-McClure.
+  static double weight(double k2, double r2, double information) {
+    const double share = k2 / (k2 + r2);
+    return share * share * information;
   }
 
   static void project(const Matrix6& held, SegmentSums& s) {
@@ -260,7 +297,7 @@ class Problem {
   const SurfaceMap& map_;
   const WindowProblem& problem_;
   const WindowOptions& options_;
-  int last_scan_segment_;
+  std::vector<CachedMatch> matches_;  // a keypoint
 };
 
 Knots moved(const Knots& knots, int first_free, const VectorXd& step) {
@@ -284,7 +321,7 @@ double size_of(const VectorXd& step) {
 
 WindowResult solve_window(const SurfaceMap& map, WindowProblem& problem, const WindowOptions& options) {
   constexpr double small_step = 2e-4;
-  const Problem linear(map, problem, options);
+  Problem linear(map, problem, options);
   WindowResult result;
   double scale = options.start_scale;
   double damping = 0;
@@ -314,7 +351,8 @@ WindowResult solve_window(const SurfaceMap& map, WindowProblem& problem, const W
       break;
     }
   }
-  result.inlier_share = at.last_scan > 0 ? static_cast<double>(at.inliers) / at.last_scan : 0;
+  result.inlier_share = at.newest > 0 ? static_cast<double>(at.inliers) / at.newest : 0;
+  result.agreement = at.matched > 0 ? static_cast<double>(at.inliers) / at.matched : 0;
   result.residual_rms = at.inliers > 0 ? std::sqrt(at.squares / at.inliers) : 0;
   result.information = at.h;
   return result;

@@ -36,6 +36,14 @@ class ChanceInformation {
   Eigen::Matrix3d second_ = Eigen::Matrix3d::Zero();
 };
 
+// Into the lower half; the upper one is its mirror.
+void add_outer_product(const Vector6& u, double weight, Matrix6& sum) {
+  for (int j = 0; j < 6; ++j) {
+    const double wu = weight * u[j];
+    for (int i = j; i < 6; ++i) sum(i, j) += wu * u[i];
+  }
+}
+
 struct Step {
   Matrix6 h = Matrix6::Zero();
   ChanceInformation chance;
@@ -46,17 +54,18 @@ struct Step {
 
 // Residuals of the points moved by `correction`, linearised at a turn about `center` and a shift.
 Step linearise(const SurfaceMap& map, const std::vector<SeenPoint>& points, const Pose& correction, const Vector3d& center, double kernel,
-               double noise, Reach reach) {
+               double noise, Reach reach, std::vector<CachedMatch>& matches) {
   Step step;
   const double k2 = kernel * kernel;
   const double information = 1.0 / (noise * noise);
   const Eigen::Matrix3d rotation = correction.matrix();
-  for (const SeenPoint& seen : points) {
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const SeenPoint& seen = points[i];
     const Vector3d p = rotation * seen.point + correction.translation;
     const Vector3d sensor = rotation * seen.sensor + correction.translation;
-    const Surface* surface = map.match(p, sensor, 2.0 * kernel, reach);
+    const Surface* surface = matches[i].find(map, p, sensor, 2.0 * kernel, reach);
     if (surface == nullptr) continue;
-    const double r = surface->normal.dot(p - surface->mean);
+    const double r = surface->distance(p);
     const double r2 = r * r;
     if (r2 < k2) {
       ++step.inliers;
@@ -66,10 +75,11 @@ Step linearise(const SurfaceMap& map, const std::vector<SeenPoint>& points, cons
     const double w = share * share * information;
     Vector6 u;
     u << (p - center).cross(surface->normal), surface->normal;
-    step.h.noalias() += w * u * u.transpose();
+    add_outer_product(u, w, step.h);
     step.b += (w * r) * u;
     step.chance.add(p - center, w);
   }
+  step.h.triangularView<Eigen::StrictlyUpper>() = step.h.transpose();
   return step;
 }
 
@@ -111,9 +121,10 @@ RigidAlignmentResult align_rigidly(const SurfaceMap& map, const std::vector<Seen
   result.correction = options.start;
   center = result.correction * center;
 
+  std::vector<CachedMatch> matches(points.size());
   const auto advance = [&](double along) {
     const double kernel = options.kernel_begin * std::pow(options.kernel_end / options.kernel_begin, along);
-    const Step at = linearise(map, points, result.correction, center, kernel, options.noise, options.reach);
+    const Step at = linearise(map, points, result.correction, center, kernel, options.noise, options.reach, matches);
     result.inlier_share = static_cast<double>(at.inliers) / static_cast<double>(points.size());
     result.support = support_of(at.normals / static_cast<double>(points.size()));
     result.free_directions = weak_directions(at.h - at.chance.of(options.normal_sigma), options.arm, options.held_sigma, &result.held);

@@ -100,5 +100,42 @@ TEST(KeyframeSelector, PutsScansTogetherInTheLastOnesFrame) {
   EXPECT_LT((keyframe->cloud->points[0].position() - last.cloud->points[0].position()).norm(), 1e-4F);
 }
 
+// Ten minutes of standing, or of scans that are not accepted, after a keyframe: what is held is bounded by what is seen.
+TEST(KeyframeSelector, HoldsNoMoreTheLongerTheRobotStands) {
+  for (const bool accepted : {true, false}) {
+    KeyframeSelector selector({}, {});
+    const auto standing = [&](int i) {
+      FinalScan scan = scan_at(i, 0, 0);
+      auto cloud = std::make_shared<Cloud>(*scan.cloud);
+      for (int k = 0; k < 2000; ++k) {
+        Point point;
+        point.x = 4 + 0.001F * static_cast<float>((i * 7 + k) % 5);  // a wall, with noise
+        point.y = 0.05F * static_cast<float>(k % 100);
+        point.z = 0.05F * static_cast<float>(k / 100);
+        cloud->points.push_back(point);
+      }
+      scan.cloud = cloud;
+      scan.accepted = accepted || i == 0;
+      scan.degenerate = {Vector6::Unit(3)};
+      return scan;
+    };
+    ASSERT_TRUE(selector.add(standing(0)));
+    std::size_t most = 0;
+    for (int i = 1; i < 6000; ++i) {
+      ASSERT_FALSE(selector.add(standing(i)));
+      if (i % 100 == 0) most = std::max(most, selector.held_points());
+    }
+    EXPECT_LT(most, 70U * 2001U);
+    const std::optional<Keyframe> keyframe = selector.add(scan_at(6000, 1, 0));
+    ASSERT_TRUE(keyframe);
+    EXPECT_EQ(keyframe->scans.size(), 6000U) << "each scan keeps its place on the trajectory";
+    EXPECT_LT(keyframe->cloud->size(), 10000U);
+    if (accepted) EXPECT_GT(keyframe->cloud->size(), 2000U);
+    EXPECT_LT(keyframe->cloud->viewpoints.size(), 70U);
+    EXPECT_LT(keyframe->degenerate.size(), 70U);
+    EXPECT_EQ(selector.held_points(), 0U);
+  }
+}
+
 }  // namespace
 }  // namespace sgraph

@@ -85,5 +85,37 @@ TEST(MotionSensors, StopsListeningToAGyroThatIsWrong) {
   EXPECT_FALSE(sensors.rotation_by_gyro(Stamp::from_seconds(9.8), Stamp::from_seconds(9.9)));
 }
 
+// Wheels that are 2 % larger than believed, of which one drags; where the motion is not known nothing is learnt.
+TEST(MotionSensors, LearnsTheErrorsOfTheRobotsOdometry) {
+  for (const bool known : {true, false}) {
+    std::mt19937 random(3);
+    std::normal_distribution<double> noise(0, 0.002);
+    MotionSensors sensors(T_base_lidar);
+    Pose truth;
+    Pose said;
+    const double step = 0.02;
+    for (int i = 0; i <= 6000; ++i) {
+      const double speed = 0.8;
+      const double rate = 0.6 * std::sin(0.005 * i);
+      truth = truth * Pose{so3_exp({0, 0, rate * step}), {speed * step, 0, 0}};
+      said = said * Pose{so3_exp({0, 0, (rate - 0.01 * speed) / 1.03 * step}), {speed / 1.02 * step, 0, 0}};
+      const Stamp stamp = Stamp::from_seconds(step * i);
+      sensors.add(OdometrySample{stamp, said, Matrix6::Zero()});
+      if (i % 5 != 0) continue;
+      Pose seen = truth * T_base_lidar;
+      seen.translation += Eigen::Vector3d(noise(random), noise(random), noise(random));
+      sensors.learn_motion(stamp, seen, known);
+    }
+    EXPECT_NEAR(sensors.odometry_errors().scale, known ? 0.02 : 0, 0.002);
+    EXPECT_NEAR(sensors.odometry_errors().turn, known ? 0.03 : 0, 0.01);
+    EXPECT_NEAR(sensors.odometry_errors().bend, known ? 0.01 : 0, 0.002);
+    if (!known) continue;
+    const auto motion = sensors.motion_by_odometry(Stamp::from_seconds(118), Stamp::from_seconds(119));
+    ASSERT_TRUE(motion);
+    const Pose base = T_base_lidar * *motion * T_base_lidar.inverse();
+    EXPECT_NEAR(base.translation.norm(), 0.8, 0.01);
+  }
+}
+
 }  // namespace
 }  // namespace sgraph

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <map>
+#include <random>
 
 #include "sgraph_slam/core/math/se3.hpp"
 #include "sgraph_slam/core/math/so3.hpp"
@@ -153,6 +154,38 @@ TEST(Odometry, KeepsItsHeightWhileNeitherFloorNorCeilingIsInView) {
   EXPECT_LT(worst_error({run.finals.begin() + 70, run.finals.end()}, {scans.truth.begin() + 70, scans.truth.end()}), 0.03);
 }
 
+// What a calibration of the sensor learns from: one ring's range is off by 2 cm.
+TEST(Odometry, HandsOverHowFarKeypointsLieFromTheirSurfaces) {
+  auto scans = demo(60, {}, 60);
+  const int wrong = scans.scans.front()->points[scans.scans.front()->size() / 2].ring;
+  for (CloudPtr& scan : scans.scans) {
+    auto off = std::make_shared<Cloud>(*scan);
+    for (Point& p : off->points) {
+      if (p.ring == wrong) p.set_position((p.position().norm() + 0.02F) / p.position().norm() * p.position());
+    }
+    scan = off;
+  }
+  const Prefilter prefilter({});
+  Odometry odometry({}, scans.T_base_lidar);
+  Eigen::Vector2d sum = Eigen::Vector2d::Zero();  // of the ring that is off, and of the others
+  Eigen::Vector2d count = Eigen::Vector2d::Zero();
+  int calls = 0;
+  odometry.observe_residuals([&](Stamp, const std::vector<SurfaceResidual>& residuals) {
+    ++calls;
+    for (const SurfaceResidual& r : residuals) {
+      EXPECT_NEAR(r.direction.norm(), 1, 1e-4);
+      EXPECT_LT(r.normal.dot(r.direction), 0) << "the surface faces the sensor";
+      if (-r.normal.dot(r.direction) < 0.7F) continue;
+      sum[r.ring == wrong ? 0 : 1] += static_cast<double>(r.residual / -r.normal.dot(r.direction));
+      count[r.ring == wrong ? 0 : 1] += 1;
+    }
+  });
+  for (const CloudPtr& scan : scans.scans) odometry.process(prefilter.process(*scan).cloud);
+  EXPECT_GT(calls, 55);
+  ASSERT_GT(count.minCoeff(), 500);
+  EXPECT_LT(sum[0] / count[0] - sum[1] / count[1], -0.008) << "too long a range lies behind the surface, which has learnt some of it";
+}
+
 TEST(Odometry, SameScansSameResult) {
   const auto scans = demo(40, {}, 60);
   const Outcome a = run_odometry(scans.scans, scans.T_base_lidar);
@@ -234,9 +267,46 @@ TEST(Odometry, BridgesScansThatTheMapCannotExplain) {
   }
   const Outcome run = run_odometry(scans.scans, scans.T_base_lidar);
   EXPECT_EQ(run.estimates[31].status, OdometryStatus::predicted);
+  EXPECT_EQ(run.estimates[31].degenerate.size(), 6U) << "no direction of a predicted pose is held";
+  EXPECT_GT(run.estimates[31].covariance(3, 3), 10 * run.estimates[28].covariance(3, 3)) << "the covariance is the prediction's";
+  for (const Keyframe& keyframe : run.keyframes) EXPECT_LT(keyframe.degenerate.size(), 6U) << "scans before and after hold the keyframe's motion";
   EXPECT_EQ(run.estimates.back().status, OdometryStatus::tracked);
   EXPECT_LT(worst_error({run.live.begin(), run.live.begin() + 29}, scans.truth), 0.03);
   EXPECT_LT(worst_error(run.live, scans.truth), 0.2);
+}
+
+// Every fifth scan shows another place, has its axes mixed up or is noise: as good as if these had never come.
+TEST(Odometry, ScansThatLieDoNoHarm) {
+  const auto scans = demo(100, {}, 60);
+  std::vector<CloudPtr> with_lies = scans.scans;
+  std::vector<CloudPtr> without;
+  Trajectory truth;
+  std::mt19937 random(4);
+  std::uniform_real_distribution<float> anywhere(-8, 8);
+  for (std::size_t i = 0; i < with_lies.size(); ++i) {
+    if (i < 10 || i % 5 != 0) {
+      without.push_back(scans.scans[i]);
+      truth.push_back(scans.truth[i]);
+      continue;
+    }
+    auto lie = std::make_shared<Cloud>(*with_lies[i]);
+    for (Point& p : lie->points) {
+      const Eigen::Vector3f at = p.position();
+      if (i % 3 == 0) p.set_position({at.z(), 3 * at.x(), at.y()});
+      if (i % 3 == 1) p.set_position({anywhere(random), anywhere(random), 0.2F * anywhere(random)});
+      if (i % 3 == 2) p.set_position(0.5F * at + Eigen::Vector3f(0, 1, 0));
+    }
+    with_lies[i] = lie;
+  }
+  const Outcome lied_to = run_odometry(with_lies, scans.T_base_lidar);
+  Trajectory of_true_scans;
+  for (std::size_t i = 0; i < with_lies.size(); ++i) {
+    const bool lie = i >= 10 && i % 5 == 0;
+    EXPECT_EQ(lied_to.estimates[i].status == OdometryStatus::predicted, lie) << i;
+    if (!lie) of_true_scans.push_back(lied_to.finals[i]);
+  }
+  const double alone = worst_error(run_odometry(without, scans.T_base_lidar).finals, truth);
+  EXPECT_LT(worst_error(of_true_scans, truth), alone + 0.005);
 }
 
 // Recordings thinned to save space, drivers that drop scans: half a second between sweeps of a tenth.

@@ -22,8 +22,8 @@ class Acceptance {
   /// The first scan is accepted as it is.
   void start(const Knot& end) { known_ = end; }
 
-  /// A result that the points don't support, or that no robot can have done, is a jump: not accepted. `end`: where it puts the LiDAR at the scan's
-  /// end; `last_end`: of the scan before.
+  /// A result that the points don't support or contradict, or that no robot can have done, is a jump: not accepted. `end`: where it puts the LiDAR at
+  /// the scan's end; `last_end`: of the scan before.
   AcceptanceVerdict accept_or_reject(const WindowResult& solved, const RigidAlignmentResult& alignment, const Knot& end, double last_end,
                                      const Eigen::Vector3d& up);
 

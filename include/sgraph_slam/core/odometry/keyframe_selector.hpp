@@ -29,7 +29,8 @@ struct DriftRate {
 constexpr DriftRate map_drift{0.0005, 0, 0.003};         ///< of a pose held by a local map
 constexpr DriftRate reckoning_drift{0.005, 0.02, 0.03};  ///< of wheels or legs: scale, heading and slips, which hardly average out
 
-/// Decides by motion and time which scans become keyframes and gives every scan to exactly one.
+/// Decides by motion and time which scans become keyframes and gives every scan to exactly one. What it holds of the scans since the last keyframe is
+/// bounded by the area that they see, and one pose a scan.
 class KeyframeSelector {
  public:
   KeyframeSelector(const KeyframeParams& params, const Pose& T_base_lidar, const DriftRate& drift = map_drift)
@@ -42,16 +43,32 @@ class KeyframeSelector {
   /// Closes the last keyframe with the scans that are left, if any.
   std::optional<Keyframe> finish();
 
+  /// Points held of the scans since the last keyframe.
+  [[nodiscard]] std::size_t held_points() const;
+
  private:
+  // A scan's cloud, or several put together: then with viewpoints, in the frame of the newest of them.
+  struct Part {
+    Stamp stamp;
+    Pose T_odom_lidar;
+    CloudPtr cloud;
+  };
+
+  void hold(const FinalScan& scan);
+  void hold_directions(const std::vector<Vector6>& directions);
   Keyframe close();
-  [[nodiscard]] CloudPtr merged_cloud(const FinalScan& last) const;
+  [[nodiscard]] CloudPtr keyframe_cloud() const;
+  static CloudPtr merged(const std::vector<Part>& parts, const Part& frame, double leaf);
 
   KeyframeParams params_;
   Pose T_base_lidar_;
   DriftRate drift_;
   std::int64_t next_id_ = 0;
-  std::optional<FinalScan> previous_;  // the last keyframe's scan
-  std::vector<FinalScan> scans_;       // since then
+  std::optional<FinalScan> previous_;  // the last keyframe's scan, without its cloud
+  std::optional<FinalScan> newest_;    // since then
+  Trajectory scans_;                   // since then,
+  std::vector<Vector6> degenerate_;    // the directions that the accepted ones' points didn't hold,
+  std::vector<Part> parts_;            // and the clouds of these, in order
   double path_ = 0;                    // travelled since then [m]
   double turned_ = 0;                  // [rad]
 };

@@ -19,6 +19,7 @@ class LidarOdometry : public MotionSource {
 
   void add(const OdometrySample& sample) override { sensors_.add(sample); }
   void add(const ImuSample& sample) override { sensors_.add(sample); }
+  void observe_residuals(ResidualSink sink) override { residual_sink_ = std::move(sink); }
   MotionOutput process(const CloudPtr& scan) override;
   std::vector<FinalScan> finish() override;
 
@@ -39,6 +40,7 @@ class LidarOdometry : public MotionSource {
   void make_final(std::size_t kept, std::vector<FinalScan>& finals);
   FinalScan make_oldest_final();
   [[nodiscard]] Pose pose_between_middles(const WindowScan& scan) const;
+  [[nodiscard]] std::vector<SurfaceResidual> residuals(const WindowScan& scan) const;
   void insert_now(const WindowScan& scan);
   [[nodiscard]] Stamp stamp_at(double time) const { return origin_->after(time); }
 
@@ -53,8 +55,9 @@ class LidarOdometry : public MotionSource {
   Acceptance acceptance_;
   std::optional<Stamp> origin_;  // zero of the knots' time
   Stamp last_stamp_;
-  double last_end_ = 0;                // of the scan before the newest
-  bool motion_known_ = false;          // the motion during the first scan has been found
+  double last_end_ = 0;        // of the scan before the newest
+  bool motion_known_ = false;  // the motion during the first scan has been found
+  ResidualSink residual_sink_;
   std::optional<Knot> last_accepted_;  // at the stamp of the last final scan, if it was accepted
 };
 

@@ -3,22 +3,21 @@
 #include <optional>
 
 #include "sgraph_slam/core/odometry/params.hpp"
+#include "sgraph_slam/core/registration/level_planes.hpp"
 #include "sgraph_slam/core/registration/surface_map.hpp"
 #include "sgraph_slam/core/types/cloud.hpp"
 #include "sgraph_slam/core/types/pose.hpp"
 
 namespace sgraph {
 
-/// Puts a deskewed scan's points into a map: one in a voxel of `leaf` [m], each with the normal that its scan shows.
-void insert_scan(SurfaceMap& map, const Cloud& deskewed, const Pose& T_map_lidar, double leaf, Placing placing);
-
 /// The odometry's local map, and what is read from it.
 class MapUpdater {
  public:
   explicit MapUpdater(const OdometryParams& params) : params_(params.map), leaf_(params.map_leaf), map_(params.map) {}
 
-  void insert(const Cloud& deskewed, const Pose& T_odom_lidar, Placing placing) { insert_scan(map_, deskewed, T_odom_lidar, leaf_, placing); }
-  void clear() { map_ = SurfaceMap(params_); }
+  /// Puts a deskewed scan's points into the map: one in a voxel of `map_leaf`, each with the normal that its scan shows.
+  void insert(const Cloud& deskewed, const Pose& T_odom_lidar, Placing placing);
+  void clear();
   /// Looks for the vertical while it isn't known.
   void find_vertical();
 
@@ -35,7 +34,11 @@ class MapUpdater {
   SurfaceMapParams params_;
   double leaf_;
   SurfaceMap map_;
+  LevelPlanes level_;
   std::optional<Eigen::Vector3d> vertical_;
+  int inserted_ = 0;             // scans
+  std::size_t looked_at_ = 0;    // voxels of the map when planes were last looked for,
+  std::size_t looked_from_ = 0;  // and the time before
 };
 
 }  // namespace sgraph

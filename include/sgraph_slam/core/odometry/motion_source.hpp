@@ -4,6 +4,7 @@
 
 #include "sgraph_slam/core/odometry/keyframe_selector.hpp"
 #include "sgraph_slam/core/odometry/odometry.hpp"
+#include "sgraph_slam/core/odometry/surface_residual.hpp"
 
 namespace sgraph {
 
@@ -22,6 +23,8 @@ class MotionSource {
   virtual void add(const OdometrySample& sample) = 0;
   virtual void add(const ImuSample& sample) = 0;
   virtual MotionOutput process(const CloudPtr& scan) = 0;
+  /// From now on; a source that registers nothing never calls it.
+  virtual void observe_residuals(ResidualSink) {}
   /// The scans that are not final yet.
   virtual std::vector<FinalScan> finish() = 0;
 };

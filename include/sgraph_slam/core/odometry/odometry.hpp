@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "sgraph_slam/core/odometry/params.hpp"
+#include "sgraph_slam/core/odometry/surface_residual.hpp"
 #include "sgraph_slam/core/sensor/ring_calibration.hpp"
 #include "sgraph_slam/core/types/cloud.hpp"
 #include "sgraph_slam/core/types/odometry.hpp"
@@ -16,6 +17,7 @@ enum class ScanVerdict {
   accepted,
   too_few_points,  ///< nothing to register
   not_later,       ///< its stamp isn't after the last one's: a repeated message or clocks that jump back
+  stamp_jumped,    ///< its stamp is far ahead of those of the scans after it
   no_odometry,     ///< `source: topic`, and the robot's odometry doesn't cover the scan
 };
 
@@ -44,6 +46,9 @@ class Odometry {
   /// Robot odometry and inertial readings up to a scan's end must come before that scan.
   void add(const OdometrySample& sample);
   void add(const ImuSample& sample);
+
+  /// Hands over the residuals of accepted scans from now on, for a calibration of the sensor. Costs nothing while nobody asks.
+  void observe_residuals(ResidualSink sink);
 
   /// Takes a prefiltered scan in the LiDAR's frame, in order of stamp.
   OdometryOutput process(const CloudPtr& scan);

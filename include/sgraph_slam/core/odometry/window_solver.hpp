@@ -16,6 +16,7 @@ struct Keypoint {
   Eigen::Vector3d normal = Eigen::Vector3d::Zero();  ///< of the scan's own surface there, LiDAR frame; zero when unknown or not asked for
   int segment = 0;                                   ///< the knots `segment` and `segment + 1` lie around it
   double fraction = 0;                               ///< 0 at the first of them, 1 at the second
+  bool newest = true;                                ///< of the newest scan, by which the result is judged
 };
 
 /// How much the velocity may change from one segment to the next.
@@ -53,7 +54,8 @@ struct WindowOptions {
 };
 
 struct WindowResult {
-  double inlier_share = 0;  ///< of the last scan's keypoints within the kernel
+  double inlier_share = 0;  ///< of the newest scan's keypoints within the kernel
+  double agreement = 0;     ///< of those that came near a surface of the map: within the kernel
   double residual_rms = 0;  ///< of those [m]
   int iterations = 0;
   bool converged = false;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <optional>
 #include <vector>
@@ -37,11 +38,14 @@ struct SurfaceMapParams {
   }
 };
 
-/// A planar patch of the map, seen from the side its normal points to.
-struct Surface {
-  Eigen::Vector3d mean = Eigen::Vector3d::Zero();
+/// A planar patch of the map, seen from the side its normal points to. One cache line.
+struct alignas(64) Surface {
   Eigen::Vector3d normal = Eigen::Vector3d::Zero();
+  double offset = 0;  ///< the plane is `normal . p + offset = 0` [m]
+  Eigen::Vector3d mean = Eigen::Vector3d::Zero();
   double variance = 0;  ///< of the points along the normal [m^2]
+
+  [[nodiscard]] double distance(const Eigen::Vector3d& p) const { return normal.dot(p) + offset; }
 };
 
 /// Where a point looks for its surface.
@@ -75,51 +79,89 @@ class SurfaceMap {
   /// Typical standard deviation of points on their surface, over the map [m]: the sensor's noise as the data shows it. 0 while the map is empty.
   [[nodiscard]] double noise() const { return noise_; }
 
-  /// The flat surfaces in voxels of the edge `params.voxel`.
-  [[nodiscard]] std::vector<Surface> surfaces() const;
+  /// The flat surfaces in voxels of the edge `params.voxel`, but for the `first` voxels.
+  [[nodiscard]] std::vector<Surface> surfaces(std::size_t first = 0) const;
+  /// How many voxels of that edge there are.
+  [[nodiscard]] std::size_t surface_voxels() const { return levels_.front().voxels.size(); }
+
+  /// Edge of the finest voxels [m].
+  [[nodiscard]] double finest_edge() const { return 1.0 / inverse_finest_; }
 
   [[nodiscard]] std::size_t voxel_count() const;
   [[nodiscard]] bool empty() const { return voxel_count() == 0; }
 
  private:
-  struct Face {
-    Surface surface;  // of the last fit
+  // One side of a voxel: what a fit takes.
+  struct Side {
+    std::uint32_t count = 0;
+    std::uint32_t fitted = 0;  // count at the last fit
     bool flat = false;
     bool changed = false;
-    std::uint16_t count = 0;
-    std::uint16_t fitted = 0;                             // count at the last fit
+    float ratio = 1;                                      // smallest variance by the next
+    float incidence = 0;                                  // mean square of the cosine between rays and normal
+    std::uint32_t with_normal = 0;                        // points that came with one
     Eigen::Vector3d sum = Eigen::Vector3d::Zero();        // relative to the origin of the voxel
     std::array<double, 6> outer{};                        // xx xy xz yy yz zz
     Eigen::Vector3f seen_from = Eigen::Vector3f::Zero();  // sum of unit rays to the sensor
     std::array<float, 6> rays{};                          // sum of their outer products, as above
     std::array<float, 6> normals{};                       // sum of the outer products of the points' own normals
-    std::uint16_t with_normal = 0;                        // points that came with one
-    float ratio = 1;                                      // smallest variance by the next
-    float incidence = 0;                                  // mean square of the cosine between rays and normal
   };
   struct Voxel {
+    std::uint64_t key;
     Eigen::Vector3d origin;
-    std::array<Face, 2> faces;
+    std::array<Side, 2> sides;
   };
+  // What a match reads lies apart from what a fit takes: the index's tags say which sides are flat (bit 0 and 1), `surfaces` holds two of each voxel.
   struct Level {
-    double edge;  // [m]
+    double edge;   // [m]
+    int halvings;  // of the finest level's cells
     VoxelIndex index;
     std::vector<Voxel> voxels;
+    std::vector<Surface> surfaces;
     std::vector<std::uint32_t> changed;
   };
+  // A point that looks for its surface.
+  struct Query {
+    const Eigen::Vector3d& point;
+    Eigen::Vector3d ray;
+    double least_cosine;  // along the ray: what faces the sensor
+    double gate;
+  };
 
-  [[nodiscard]] const Surface* match_in(const Level& level, const Eigen::Vector3d& at, const Eigen::Vector3d& point, const Eigen::Vector3d& sensor,
-                                        double gate) const;
-  Face* face_for(Voxel& voxel, const Eigen::Vector3d& ray) const;
-  void fit(Face& face, const Eigen::Vector3d& origin, double edge) const;
+  [[nodiscard]] static const Surface* match_in(const Level& level, const VoxelIndex::Cell& cell, const Query& query);
+  [[nodiscard]] int side_for(const Level& level, std::uint32_t voxel, const Eigen::Vector3d& ray) const;
+  void fit(Level& level, std::uint32_t voxel, int side);
   void fit_changed();
   void update_noise();
 
   SurfaceMapParams params_;
-  std::vector<Level> levels_;
+  std::vector<Level> levels_;  // from `params.voxel` down to the finest, then the wide ones upwards
+  double inverse_finest_ = 1;  // [1/m]
   double noise_ = 0;
   double range_variance_ = 0;  // of a point along its ray [m^2]
   double flat_variance_;
+};
+
+/// The surface that a moving point lies on, looked for again only when it may be another.
+class CachedMatch {
+ public:
+  /// As `map.match` with the same arguments, but a surface found for the point when it was less than a tenth of the finest voxel away is kept while
+  /// it is nearer than the gate, and none found stays none. The gate must not grow from call to call.
+  const Surface* find(const SurfaceMap& map, const Eigen::Vector3d& point, const Eigen::Vector3d& sensor, double gate, Reach reach = Reach::own) {
+    const double near = 0.1 * map.finest_edge();
+    const bool same_place = asked_ && (point - at_).squaredNorm() < near * near;
+    if (!same_place || (surface_ != nullptr && std::abs(surface_->distance(point)) >= gate)) {
+      surface_ = map.match(point, sensor, gate, reach);
+      at_ = point;
+      asked_ = true;
+    }
+    return surface_;
+  }
+
+ private:
+  Eigen::Vector3d at_ = Eigen::Vector3d::Zero();
+  const Surface* surface_ = nullptr;
+  bool asked_ = false;
 };
 
 }  // namespace sgraph
