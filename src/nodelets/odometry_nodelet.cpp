@@ -31,8 +31,7 @@ class OdometryNodelet : public StageNodelet {
         [](const Input& input) { return input && std::holds_alternative<CloudPtr>(*input); });
     finish_ = getMTPrivateNodeHandle().advertiseService("finish", &OdometryNodelet::finish, this);
     const ros::TransportHints hints = ros::TransportHints().tcpNoDelay();
-    if (settings().params.odometry.source == "topic")
-      odom_subscriber_ = node.subscribe<nav_msgs::Odometry>("robot_odom", 1000, &OdometryNodelet::take_odometry, this, hints);
+    odom_subscriber_ = node.subscribe<nav_msgs::Odometry>("robot_odom", 1000, &OdometryNodelet::take_odometry, this, hints);
     if (settings().ros.use_imu) imu_subscriber_ = node.subscribe<sensor_msgs::Imu>("imu", 1000, &OdometryNodelet::take_imu, this, hints);
     cloud_subscriber_ = node.subscribe<Cloud>("filtered_points", 10, &OdometryNodelet::take_cloud, this, hints);
   }
@@ -108,8 +107,11 @@ class OdometryNodelet : public StageNodelet {
       return;
     }
     health().worked(milliseconds);
-    if (!output.live.degenerate.empty()) health().warn("the surroundings don't hold every direction of motion");
-    if (output.live.status == OdometryStatus::predicted) health().warn("scan not matched: moving on by prediction");
+    if (output.live.status == OdometryStatus::predicted) {
+      health().warn("scan not matched: moving on by prediction");
+    } else if (!output.live.degenerate.empty()) {
+      health().warn("the surroundings don't hold every direction of motion");
+    }
     health().show("inlier share", output.live.inlier_share);
     if (output.calibration && !output.calibration->beams.empty()) health().show("calibration", output.calibration->text());
     const double latency = (ros::Time::now() - to_ros_time(scan.stamp)).toSec();

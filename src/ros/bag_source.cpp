@@ -48,6 +48,7 @@ class BagSource::Implementation {
 
   std::optional<SensorEvent> next() {
     while (true) {
+      while (gate_.take_dropped()) ++dropped[MessageFault::stamp];
       if (auto event = gate_.pop()) return event;
       if (closed_) return std::nullopt;
       BagFiles::guarded(files_.names(), [&] { read_one(); });

@@ -12,7 +12,6 @@ Recording::Recording(const OdometryParams& params, bool wait_for_imu, const std:
       gate_(params.source == "topic", wait_for_imu) {}
 
 void Recording::add(SensorEvent event) {
-  if (const auto* scan = std::get_if<CloudPtr>(&event); scan && (!newest_ || (*scan)->stamp > *newest_)) newest_ = (*scan)->stamp;
   gate_.push(std::move(event));
   pass_on();
 }
@@ -24,10 +23,16 @@ std::vector<Keyframe> Recording::finish() {
 }
 
 void Recording::pass_on() {
+  while (const std::optional<CloudPtr> scan = gate_.take_dropped()) {
+    OdometryOutput refused;
+    refused.verdict = ScanVerdict::stamp_jumped;
+    sink_(*scan, refused, 0);
+  }
   while (const std::optional<SensorEvent> event = gate_.pop()) {
     if (const auto* sample = std::get_if<OdometrySample>(&*event)) odometry_.add(*sample);
     if (const auto* sample = std::get_if<ImuSample>(&*event)) odometry_.add(*sample);
     if (const auto* scan = std::get_if<CloudPtr>(&*event)) {
+      if (!newest_ || (*scan)->stamp > *newest_) newest_ = (*scan)->stamp;
       Stopwatch watch;
       const OdometryOutput output = odometry_.process(*scan);
       sink_(*scan, output, watch.lap());

@@ -26,7 +26,7 @@ enum class MessageFault {
   times,          ///< per-point times that have nothing to do with the cloud's stamp
   beams,          ///< points that lie on none of the sensor's beams: the data isn't what the fields say
   frame,          ///< a cloud of another frame than the others, or of none
-  stamp,          ///< a stamp of zero, or far from the time of recording
+  stamp,          ///< zero, far from the time of recording, or a scan's far ahead of those after it
   not_finite,     ///< NaN or infinite where a pose or a reading should be
   quaternion,     ///< a rotation whose quaternion is not of length 1
 };

@@ -25,7 +25,7 @@ class Recording {
   /// Ends the recording: takes the scans that still wait and returns the last keyframes.
   std::vector<Keyframe> finish();
 
-  /// How far back of the newest scan this one is [s]; negative when it is later.
+  /// How far back of the newest scan that has had its turn this one is [s]; negative when it is later.
   [[nodiscard]] double goes_back(const Cloud& scan) const { return newest_ ? *newest_ - scan.stamp : -1; }
 
   [[nodiscard]] const std::string& lidar_frame() const { return lidar_frame_; }

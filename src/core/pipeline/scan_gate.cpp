@@ -5,6 +5,8 @@
 namespace sgraph {
 namespace {
 
+constexpr double far = 10.0;  // [s] between scans: a longer pause is believed when a second scan says so too
+
 void advance(std::optional<Stamp>& newest, Stamp stamp) {
   if (!newest || stamp > *newest) newest = stamp;
 }
@@ -20,7 +22,8 @@ Stamp last_firing(const Cloud& scan) {
 
 void ScanGate::push(SensorEvent event) {
   if (const auto* scan = std::get_if<CloudPtr>(&event)) {
-    advance(newest_, (*scan)->stamp);
+    drop_refuted((*scan)->stamp);
+    if (!held_.empty() || !far_ahead((*scan)->stamp)) advance(newest_, (*scan)->stamp);
     held_.push_back({*scan, last_firing(**scan)});
     return;
   }
@@ -48,10 +51,31 @@ std::optional<SensorEvent> ScanGate::pop() {
     passing_.pop_front();
     return event;
   }
-  if (held_.empty() || !covered(held_.front().end)) return std::nullopt;
+  if (held_.empty()) return std::nullopt;
+  const bool unconfirmed = held_.size() == 1 && far_ahead(held_.front().scan->stamp) && !closed_;
+  if (unconfirmed || !covered(held_.front().end)) return std::nullopt;
   CloudPtr scan = std::move(held_.front().scan);
   held_.pop_front();
+  advance(last_scan_, scan->stamp);
   return scan;
+}
+
+std::optional<CloudPtr> ScanGate::take_dropped() {
+  if (dropped_.empty()) return std::nullopt;
+  CloudPtr scan = std::move(dropped_.front());
+  dropped_.pop_front();
+  return scan;
+}
+
+// Ahead of the scan before it, held or passed.
+bool ScanGate::far_ahead(Stamp stamp) const { return last_scan_ && stamp - *last_scan_ > far; }
+
+// A scan that isn't late itself refutes those before it that are later.
+void ScanGate::drop_refuted(Stamp stamp) {
+  while (last_scan_ && stamp > *last_scan_ && !held_.empty() && held_.back().scan->stamp > stamp && far_ahead(held_.back().scan->stamp)) {
+    dropped_.push_back(std::move(held_.back().scan));
+    held_.pop_back();
+  }
 }
 
 }  // namespace sgraph

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <string>
 
 namespace sgraph {
@@ -77,6 +78,41 @@ TEST(ScanGate, AnEmptyScanIsNoTrouble) {
   gate.push(empty);
   gate.push(odometry(0.01));
   EXPECT_EQ(passed(gate), "os");
+}
+
+// A clock that is wrong once, and one that stood still: after the first, none of the scans that follow is late.
+TEST(ScanGate, AScanFarAheadPassesOnlyWhenTheNextOneAgrees) {
+  for (const bool wait : {false, true}) {
+    ScanGate gate(wait, false);
+    const auto push = [&](double stamp) {
+      gate.push(scan(stamp, 0, 0));
+      if (wait && stamp < 1000) gate.push(odometry(stamp));
+    };
+    std::string scans;
+    const auto take = [&] {
+      const std::string text = passed(gate);
+      scans += std::string(static_cast<std::size_t>(std::count(text.begin(), text.end(), 's')), 's');
+    };
+    push(0), take();
+    push(1e6), take();
+    EXPECT_EQ(scans, "s");
+    push(0.1), take();
+    EXPECT_EQ(scans, "ss");
+    const auto dropped = gate.take_dropped();
+    ASSERT_TRUE(dropped);
+    EXPECT_EQ((*dropped)->stamp, at(1e6));
+    EXPECT_FALSE(gate.take_dropped());
+    push(0.2), take();
+    push(60), take();
+    EXPECT_EQ(scans, "sss") << "a pause, or a wrong stamp";
+    push(60.1), take();
+    EXPECT_EQ(scans, "sssss") << "a pause";
+    EXPECT_FALSE(gate.take_dropped());
+    push(500), take();
+    gate.close();
+    take();
+    EXPECT_EQ(scans, "ssssss") << "at the recording's end nothing speaks against it";
+  }
 }
 
 }  // namespace
