@@ -74,7 +74,7 @@ class Odometry::Implementation {
  private:
   void take(const FinalScan& final, OdometryOutput& output) {
     output.finals.push_back({final.stamp, final.T_odom_base});
-    if (final.explained) calibrator_.add(*final.cloud, final.T_odom_base * T_base_lidar_);
+    if (final.accepted) calibrator_.add(*final.cloud, final.T_odom_base * T_base_lidar_);
     if (auto keyframe = keyframes_.add(final)) output.keyframes.push_back(std::move(*keyframe));
   }
 
