@@ -8,6 +8,7 @@
 
 #include "sgraph_slam/core/io/file.hpp"
 #include "sgraph_slam/core/io/map_folder.hpp"
+#include "sgraph_slam/core/localisation/changes.hpp"
 #include "sgraph_slam/core/localisation/merge_maps.hpp"
 #include "sgraph_slam/core/params/params_io.hpp"
 #include "sgraph_slam/core/pipeline/pipeline.hpp"
@@ -23,6 +24,19 @@ std::string stamp_text(Stamp stamp) {
   char text[40];
   std::strftime(text, sizeof text, "%Y-%m-%d %H:%M:%S UTC", &utc);
   return text;
+}
+
+// What each further session found otherwise.
+void show_changes(const std::string& path) {
+  const StoredMap map = read_map(path, Clouds::none);
+  for (const auto& [id, session] : map.sessions) {
+    if (id == map.sessions.begin()->first) continue;
+    const std::vector<MapChange> changes = changes_of(map, id);
+    std::printf("  session %lld: %zu changes\n", static_cast<long long>(id), changes.size());
+    for (const MapChange& change : changes) {
+      std::printf("    %s: %.1f m at (%.1f, %.1f)\n", change.appeared ? "new" : "gone", change.length, change.center.x(), change.center.y());
+    }
+  }
 }
 
 void show(const std::string& path) {
@@ -194,6 +208,8 @@ int main_of_maps(int argc, char** argv) {
   CLI::App* info = app.add_subcommand("info", "What the files hold");
   CLI::App* checking = app.add_subcommand("check", "Whether the files are whole; exit status 1 when one is not");
   CLI::App* exporting = app.add_subcommand("export", "Write the files of a run folder: graph, clouds, grid, plans, trajectory");
+  bool changes = false;
+  info->add_flag("--changes", changes, "What each session found otherwise than those before it: walls, doors and large furniture new or gone");
   for (CLI::App* command : {info, checking}) command->add_option("FILE", files, "Map files")->required();
   exporting->add_option("FILE", files, "Map file")->required()->expected(1);
   CLI::App* merging = app.add_subcommand("merge", "Join maps of one building; sessions of another are left out, exit status 1");
@@ -208,7 +224,10 @@ int main_of_maps(int argc, char** argv) {
   try {
     app.parse(argc, argv);
     if (info->parsed()) {
-      for (const std::string& path : files) show(path);
+      for (const std::string& path : files) {
+        show(path);
+        if (changes) show_changes(path);
+      }
     } else if (checking->parsed()) {
       return check(files);
     } else if (merging->parsed()) {

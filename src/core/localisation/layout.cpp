@@ -9,8 +9,10 @@
 namespace sgraph {
 namespace {
 
-constexpr int directions = 16;   // of faces that count as one
-constexpr double longest = 1e4;  // [m] of a piece; more is no building
+constexpr int directions = 16;             // of faces that count as one
+constexpr double longest = 1e4;            // [m] of a piece; more is no building
+constexpr double joined = 0.35;            // [m] between two samples of one piece
+constexpr double joined_parallel = 0.985;  // cosine of 10 degrees
 constexpr std::int64_t most_cells = 400'000'000;
 
 int direction_of(const Eigen::Vector2d& normal) {
@@ -101,6 +103,26 @@ bool FreeSpace::contains(const Eigen::Vector2d& point, int votes) const {
 Layout::Layout(std::vector<WallPiece> pieces, const std::vector<Sight>& sights, int votes)
     : pieces_(std::move(pieces)), free_(sights), votes_(votes), samples_(samples_of(pieces_)) {
   for (WallSample& sample : samples_) sample.solid = !is_free(sample.point);
+}
+
+std::vector<std::vector<std::size_t>> joined_pieces(const std::vector<WallSample>& samples) {
+  std::vector<std::vector<std::size_t>> pieces;
+  std::vector<bool> taken(samples.size(), false);
+  for (std::size_t first = 0; first < samples.size(); ++first) {
+    if (taken[first]) continue;
+    taken[first] = true;
+    std::vector<std::size_t> piece{first};
+    for (std::size_t next = 0; next < piece.size(); ++next) {
+      const WallSample& at = samples[piece[next]];
+      for (std::size_t i = 0; i < samples.size(); ++i) {
+        if (taken[i] || (samples[i].point - at.point).squaredNorm() > joined * joined || samples[i].normal.dot(at.normal) < joined_parallel) continue;
+        taken[i] = true;
+        piece.push_back(i);
+      }
+    }
+    pieces.push_back(std::move(piece));
+  }
+  return pieces;
 }
 
 Eigen::Matrix2d Pose2d::matrix() const {

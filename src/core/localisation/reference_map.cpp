@@ -58,14 +58,15 @@ void add_sight(const Wall& view, const Eigen::Vector3d& sensor, std::vector<Sigh
   if (view.distance(sensor.head<2>()) > 0) sights.push_back({sensor.head<2>(), view.at(whole.low), view.at(whole.high)});
 }
 
-Layout map_layout(const GraphSnapshot& snapshot, const Eigen::Quaterniond& level, const Pose& T_base_lidar) {
+Layout map_layout(const GraphSnapshot& snapshot, const Eigen::Quaterniond& level, const Pose& T_base_lidar,
+                  const std::function<bool(KeyframeId)>& wanted) {
   Parts parts;
   for (const auto& [id, scene] : snapshot.planes) {
     const Plane plane = turn(level) * scene.plane;
     std::vector<Outline> views;
     for (const SceneObservation& seen : scene.observations) {
       const auto keyframe = snapshot.keyframes.find(seen.keyframe);
-      if (keyframe == snapshot.keyframes.end()) continue;
+      if (keyframe == snapshot.keyframes.end() || !wanted(seen.keyframe)) continue;
       const Pose T_level_base = turn(level) * keyframe->second.T_map_base;
       views.push_back(moved(T_level_base, seen.extent));
       const auto view = make_wall(id, plane, {views.back()}, tilt, wall_gap);
@@ -103,10 +104,14 @@ std::vector<SeenFloor> floors_of(const LocatedKeyframe& seen, const Pose& T_leve
 }  // namespace
 
 ReferenceMap::ReferenceMap(const GraphSnapshot& snapshot, const Pose& T_base_lidar)
-    : level_(map_level(snapshot)), search_(map_layout(snapshot, level_, T_base_lidar)) {
+    : level_(map_level(snapshot)), search_(map_layout(snapshot, level_, T_base_lidar, [](KeyframeId) { return true; })) {
   for (const auto& [id, scene] : snapshot.planes) faces_.push_back({id, scene.plane, scene.covariance, scene.extent});
   for (const auto& [id, keyframe] : snapshot.keyframes) keyframes_.push_back(level_ * keyframe.T_map_base.translation);
   if (!snapshot.keyframes.empty()) first_pose_ = snapshot.keyframes.begin()->second.T_map_base;
+}
+
+Layout layout_of(const GraphSnapshot& snapshot, const Pose& T_base_lidar, const std::function<bool(KeyframeId)>& wanted) {
+  return map_layout(snapshot, map_level(snapshot), T_base_lidar, wanted);
 }
 
 double ReferenceMap::base_height(const Eigen::Vector2d& at_level) const {

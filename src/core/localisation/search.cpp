@@ -28,7 +28,6 @@ constexpr double matched_across = 0.06;    // [m] of a wall from the map's: what
 constexpr double beside = 0.45;            // [m] a face as far beside one of the map contradicts it
 constexpr double parallel = 0.985;         // cosine of 10 degrees
 constexpr double longer_than_door = 1.35;  // [m]
-constexpr double joined = 0.35;            // [m] between two samples of one piece
 
 int direction_of(double angle) {
   const double turns = angle / (2 * M_PI);
@@ -86,25 +85,9 @@ void add_to_histogram(const Eigen::Vector2d& normal, double length, std::vector<
 
 // Length of the samples that belong to pieces longer than a door.
 double length_of_long_pieces(const std::vector<WallSample>& samples) {
-  std::vector<std::size_t> open;
   double length = 0;
-  std::vector<bool> taken(samples.size(), false);
-  for (std::size_t first = 0; first < samples.size(); ++first) {
-    if (taken[first]) continue;
-    open = {first};
-    taken[first] = true;
-    std::size_t count = 0;
-    while (!open.empty()) {
-      const WallSample& at = samples[open.back()];
-      open.pop_back();
-      ++count;
-      for (std::size_t i = 0; i < samples.size(); ++i) {
-        if (taken[i] || (samples[i].point - at.point).squaredNorm() > joined * joined || samples[i].normal.dot(at.normal) < parallel) continue;
-        taken[i] = true;
-        open.push_back(i);
-      }
-    }
-    const double piece_length = WallSample::spacing * static_cast<double>(count);
+  for (const auto& piece : joined_pieces(samples)) {
+    const double piece_length = WallSample::spacing * static_cast<double>(piece.size());
     if (piece_length >= longer_than_door) length += piece_length;
   }
   return length;

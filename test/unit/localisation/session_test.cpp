@@ -6,6 +6,8 @@
 #include <filesystem>
 
 #include "sgraph_slam/core/graph/serialization.hpp"
+#include "sgraph_slam/core/localisation/changes.hpp"
+#include "sgraph_slam/core/localisation/merge_maps.hpp"
 #include "sgraph_slam/core/pipeline/run.hpp"
 #include "sgraph_slam/core/store/map_recording.hpp"
 #include "support/mapped_building.hpp"
@@ -183,6 +185,51 @@ TEST(MappingSession, AStrangeBuildingStaysAMapOfItsOwn) {
   for (const SeenKeyframe& seen : walk) mapping.process(seen.keyframe, seen.segments);
   EXPECT_EQ(mapping.localisation()->result, LocalisationResult::not_found);
   EXPECT_EQ(mapping.optimize()->keyframes.size(), walk.size());
+}
+
+// Two robots' maps become one; taken out again, the first is what it was. Another building's is refused.
+TEST(MergeMaps, JoinsTheSessionsOfOneBuildingOnly) {
+  const Folder folder;
+  write_map_of(walked(flat_way(), 11), folder.file("a.sgmap"));
+  const Way other{{14, 4}, {12.5, 3}, {12.5, 6.8}, {3, 6.8}, {4.5, 6.8}, {4.5, 3}, {7, 3}, {2, 4}};
+  write_map_of(flat().walk(other, 0.6, 1.7, {}, 12), folder.file("b.sgmap"));
+  const StoredMap b = read_map(folder.file("b.sgmap"), Clouds::none);
+  const Localisation place = add_session(b, 0, folder.file("a.sgmap"), folder.file("c.sgmap"), {}, {});
+  EXPECT_EQ(place.result, LocalisationResult::found) << place.reason;
+  EXPECT_TRUE(check_map(folder.file("c.sgmap")).empty());
+  const StoredMap both = read_map(folder.file("c.sgmap"), Clouds::none);
+  EXPECT_EQ(both.sessions.size(), 2U);
+  EXPECT_EQ(both.keyframes.size(), b.keyframes.size() + read_map(folder.file("a.sgmap"), Clouds::none).keyframes.size());
+
+  MappedBuilding stranger;
+  stranger.add_room(0, 0, 7, 4.5, {{}, {}, {{3, 4}}, {}});
+  stranger.add_room(0, 4.65, 13, 6.45, {{{3, 4}}, {}, {}, {}});
+  write_map_of(stranger.walk({{2, 2}, {6, 2}, {3.5, 3.5}, {3.5, 5.5}, {11.5, 5.5}}, 0.6, 0, {}, 13), folder.file("s.sgmap"));
+  const Localisation nowhere = add_session(read_map(folder.file("s.sgmap"), Clouds::none), 0, folder.file("a.sgmap"), folder.file("d.sgmap"), {}, {});
+  EXPECT_EQ(nowhere.result, LocalisationResult::not_found) << nowhere.reason;
+  EXPECT_EQ(read_map(folder.file("d.sgmap"), Clouds::none).sessions.size(), 1U);
+}
+
+// A wall that was built between two visits, and nothing else.
+TEST(Changes, TellANewWall) {
+  const Folder folder;
+  write_map_of(walked(flat_way(), 14), folder.file("a.sgmap"));
+  MappedBuilding rebuilt = flat();
+  rebuilt.add_face({6, 0}, {6, 3});  // both faces of a wall across the first room
+  rebuilt.add_face({5.9, 3}, {5.9, 0});
+  write_map_of(
+      rebuilt.walk({{14, 4}, {12.5, 3}, {12.5, 6.8}, {4.5, 6.8}, {4.5, 4}, {2, 2}, {4.5, 4}, {7.5, 4}, {7.5, 2}, {7.5, 4}, {4.5, 4}, {4.5, 2}}, 0.6,
+                   0.2, {}, 15),
+      folder.file("b.sgmap"));
+  const Localisation place = add_session(read_map(folder.file("b.sgmap"), Clouds::none), 0, folder.file("a.sgmap"), folder.file("c.sgmap"), {}, {});
+  ASSERT_EQ(place.result, LocalisationResult::found) << place.reason;
+  const std::vector<MapChange> changes = changes_of(read_map(folder.file("c.sgmap"), Clouds::none), 1);
+  ASSERT_GE(changes.size(), 2U);
+  for (std::size_t i = 0; i < 2; ++i) {
+    EXPECT_TRUE(changes[i].appeared);
+    EXPECT_NEAR(changes[i].length, 3, 0.8);
+  }
+  for (std::size_t i = 2; i < changes.size(); ++i) EXPECT_LT(changes[i].length, 1.5);
 }
 
 TEST(StartPose, IsFourNumbers) {

@@ -69,6 +69,9 @@ class Layout {
   std::vector<WallSample> samples_;
 };
 
+/// Samples (by index) that lie beside each other on faces that look the same way, piece by piece.
+std::vector<std::vector<std::size_t>> joined_pieces(const std::vector<WallSample>& samples);
+
 /// A motion in the plane: p_a = R(yaw) p_b + translation.
 struct Pose2d {
   Eigen::Vector2d translation = Eigen::Vector2d::Zero();
