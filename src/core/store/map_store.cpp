@@ -219,9 +219,10 @@ void MapStore::write(StoreBatch batch) {
 bool MapStore::flush(std::chrono::milliseconds limit) {
   std::unique_lock<std::mutex> lock(mutex_);
   const std::size_t failures = failures_;
+  ++asked_;
   changed_.notify_all();
-  // A second failure since now says that trying again is of no use.
-  changed_.wait_for(lock, limit, [this, failures] { return (waiting_.empty() && !busy_) || failures_ > failures + 1; });
+  // A failure since now says that waiting is of no use.
+  changed_.wait_for(lock, limit, [this, failures] { return (waiting_.empty() && !busy_) || failures_ > failures; });
   return waiting_.empty() && !busy_;
 }
 
@@ -248,7 +249,8 @@ void MapStore::run() {
     write_waiting(lock);
     if (!problem_.empty()) {
       const std::size_t size = waiting_.size();
-      changed_.wait_for(lock, retry, [this, size] { return stop_ || waiting_.size() > size; });
+      const std::size_t asked = asked_;
+      changed_.wait_for(lock, retry, [this, size, asked] { return stop_ || waiting_.size() > size || asked_ != asked; });
     }
   }
 }

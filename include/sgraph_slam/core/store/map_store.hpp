@@ -114,6 +114,7 @@ class MapStore {
   std::deque<StoreBatch> waiting_;
   std::string problem_;
   std::size_t failures_ = 0;
+  std::size_t asked_ = 0;  // calls of flush
   double cpu_seconds_ = 0;
   bool busy_ = false;
   bool stop_ = false;
