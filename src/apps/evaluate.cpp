@@ -93,6 +93,10 @@ void measure_map(const Options& options, const Trajectory& truth, Evaluation& ev
   }
   evaluation.rooms = score_rooms(values_of(graph.rooms), T_truth_map, plan.rooms);
   evaluation.corridors = score_corridors(values_of(graph.corridors), T_truth_map, plan.corridors);
+  const MappedPlaces mapped = read_mapped_places(options.run / "graph.json");
+  const TruePlaces places = read_true_places(plan_file);
+  evaluation.places = score_places(mapped.places, places.places, T_truth_map);
+  if (mapped.has_doors && places.has_doors) evaluation.doors = score_doors(mapped.doors, places.doors, T_truth_map);
 }
 
 // A row a pose pair: the aligned estimate and its error.

@@ -36,6 +36,7 @@ struct Options {
   std::string sensor = "ideal";
   std::string building = "auto";
   std::uint64_t unit = 1;
+  std::uint64_t session = 0;
   bool imu = false;
   int threads = 0;
   bool quiet = false;
@@ -65,6 +66,8 @@ void declare(CLI::App& app, Options& options) {
       ->capture_default_str()
       ->check(CLI::IsMember({"ideal", "real"}));
   app.add_option("--unit", options.unit, "Number of the real sensor: each has its own errors")->capture_default_str()->excludes(noise);
+  app.add_option("--session", options.session, "Another day in the same building: other route, furniture moved, doors shut; 0: as in the file")
+      ->capture_default_str();
   app.add_option("--building", options.building, "ideal: as planned; real: with the errors of real buildings; auto: like the sensor")
       ->capture_default_str()
       ->check(CLI::IsMember({"auto", "ideal", "real"}));
@@ -127,6 +130,7 @@ void write_simulation(const Options& options, const sim::SimulatedSource& source
                                     {"sensor", options.sensor},
                                     {"unit", options.unit},
                                     {"building", options.building},
+                                    {"session", options.session},
                                     {"rate_hz", options.simulation.lidar.rate}};
   write_file(options.out + "/simulation.json", json.dump(1) + '\n');
 }
@@ -180,6 +184,7 @@ void run(Options& options) {
   if (options.sensor == "real") options.simulation.lidar.unit = sim::real_unit(options.unit);
   sim::World world = sim::read_world(options.world);
   if (options.building == "real" || (options.building == "auto" && options.sensor == "real")) world = sim::with_building_errors(world);
+  if (options.session > 0) world = sim::with_session(world, options.session);
   sim::SimulatedSource source(world, options.simulation);
   write_tum(source.ground_truth(), options.out + "/ground_truth.tum");
   write_file(options.out + "/truth.json", sim::truth_json(source));

@@ -28,6 +28,7 @@ struct Options {
   std::string sensor = "ideal";
   std::string building = "auto";
   std::uint64_t unit = 1;
+  std::uint64_t session = 0;
   bool no_distortion = false;
   bool check = false;
   bool no_bag = false;
@@ -54,6 +55,7 @@ void run(Options& options) {
   if (options.sensor == "real") settings.lidar.unit = sim::real_unit(options.unit);
   sim::World world = sim::read_world(options.world);
   if (options.building == "real" || (options.building == "auto" && options.sensor == "real")) world = sim::with_building_errors(world);
+  if (options.session > 0) world = sim::with_session(world, options.session);
   sim::SimulatedSource source = make_source(world, options);
   if (!options.quiet) {
     std::fprintf(stderr, "%s: %.0f s, %.0f m at up to %.2f m/s, %d scans\n", world.name.c_str(), source.duration(), source.motion().length(),
@@ -89,6 +91,8 @@ int main(int argc, char** argv) {
       ->capture_default_str()
       ->check(CLI::IsMember({"ideal", "real"}));
   app.add_option("--unit", options.unit, "Number of the real sensor: each has its own errors")->capture_default_str()->excludes(noise);
+  app.add_option("--session", options.session, "Another day in the same building: other route, furniture moved, doors shut; 0: as in the file")
+      ->capture_default_str();
   app.add_option("--building", options.building, "ideal: as planned; real: with the errors of real buildings; auto: like the sensor")
       ->capture_default_str()
       ->check(CLI::IsMember({"auto", "ideal", "real"}));

@@ -38,13 +38,16 @@ json json_of(const TrajectoryEvaluation& e) {
 }
 
 json json_of(const MapError& e) {
-  return {{"rmse_m", e.structure.rmse},
-          {"structure_m", json_of(e.structure)},
-          {"walls_m", json_of(e.walls)},
-          {"horizontal_m", json_of(e.horizontal)},
-          {"furniture_m", json_of(e.furniture)},
-          {"points", e.points},
-          {"left_out", {{"beyond_cap", e.beyond_cap}, {"unknown_height", e.unknown_height}, {"furniture", e.furniture.count}}}};
+  return {
+      {"rmse_m", e.structure.rmse},
+      {"structure_m", json_of(e.structure)},
+      {"walls_m", json_of(e.walls)},
+      {"horizontal_m", json_of(e.horizontal)},
+      {"furniture_m", json_of(e.furniture)},
+      {"points", e.points},
+      {"ghost_share", e.ghost_share},
+      {"p95_m", e.p95},
+      {"left_out", {{"beyond_cap", e.beyond_cap}, {"unknown_height", e.unknown_height}, {"outdoors", e.outdoors}, {"furniture", e.furniture.count}}}};
 }
 
 json json_of(const PlaceScore& s) {
@@ -67,6 +70,33 @@ json json_of(const PlaceScore& s) {
           {"matches", matches},
           {"missed", s.missed},
           {"false_alarms", s.false_alarms}};
+}
+
+json json_of(const PlaceQuality& s) {
+  json matches = json::array();
+  for (const QualityMatch& m : s.matches) matches.push_back({{"truth", m.truth}, {"estimate", m.estimate}, {"iou", m.iou}});
+  return {{"true", s.truths},
+          {"found", s.estimates},
+          {"panoptic_quality", s.panoptic()},
+          {"segmentation_quality", s.segmentation()},
+          {"recognition_quality", s.recognition()},
+          {"iou_of_true", s.iou_of_truths},
+          {"iou_of_found", s.iou_of_found},
+          {"matches", matches},
+          {"missed", s.missed},
+          {"invented", s.invented}};
+}
+
+json json_of(const DoorQuality& s) {
+  return {{"true", s.truths},
+          {"found", s.estimates},
+          {"precision", s.precision()},
+          {"recall", s.recall()},
+          {"position_error_m", json_of(statistics_of(s.position_errors))},
+          {"width_error_m", json_of(statistics_of(s.width_errors))},
+          {"height_error_m", json_of(statistics_of(s.height_errors))},
+          {"missed", s.missed},
+          {"invented", s.invented}};
 }
 
 json json_of(const WallFace& face) {
@@ -115,6 +145,8 @@ std::string to_json(const Evaluation& e) {
   if (e.map) j["map"] = json_of(*e.map);
   if (e.rooms) j["rooms"] = json_of(*e.rooms);
   if (e.corridors) j["corridors"] = json_of(*e.corridors);
+  if (e.places) j["places"] = json_of(*e.places);
+  if (e.doors) j["doors"] = json_of(*e.doors);
   if (e.walls) j["walls"] = json_of(*e.walls, e.faces);
   if (e.associations) j["associations"] = json_of(*e.associations);
   if (e.association_loss) {

@@ -44,6 +44,8 @@ void add_map(std::string& text, const MapError& e, double cap) {
            e.points, share);
   add_line(text, "  walls                  %9.4f m  (%d points)", e.walls.rmse, e.walls.count);
   add_line(text, "  floors and ceilings    %9.4f m  (%d points)", e.horizontal.rmse, e.horizontal.count);
+  add_line(text, "  ghosts                 %9.2f %% of the points more than %.2f m off every surface; 95 %% within %.4f m", 100 * e.ghost_share,
+           ghost_distance, e.p95);
   add_line(text, "  left out: %d further than %.2f m from every surface, %d on furniture, %d at a height the truth doesn't know", e.beyond_cap, cap,
            e.furniture.count, e.unknown_height);
 }
@@ -58,6 +60,23 @@ void add_walls(std::string& text, const WallScore& s) {
   const Statistics position = s.position_error();
   add_line(text, "  normal [deg]           median %.3f  mean %.3f  max %.3f", normal.median, normal.mean, normal.max);
   add_line(text, "  position [m]           median %.4f  mean %.4f  max %.4f", position.median, position.mean, position.max);
+}
+
+void add_quality(std::string& text, const PlaceQuality& s) {
+  add_line(text, "places: panoptic quality %.3f (recognition %.3f, outlines %.3f), %zu of %d found, %zu invented", s.panoptic(), s.recognition(),
+           s.segmentation(), s.matches.size(), s.truths, s.invented.size());
+  add_line(text, "  best overlap of the true ones %.1f %%, of the found ones %.1f %%", 100 * s.iou_of_truths, 100 * s.iou_of_found);
+  for (const std::string& missed : s.missed) add_line(text, "  %-8s missed", missed.c_str());
+  for (const long long id : s.invented) add_line(text, "  %lld is no true one", id);
+}
+
+void add_doors(std::string& text, const DoorQuality& s) {
+  const Statistics position = statistics_of(s.position_errors);
+  const Statistics width = statistics_of(s.width_errors);
+  add_line(text, "doors: %zu of %d found (recall %.2f), %zu of %d finds right (precision %.2f); position %.3f m, width %.3f m (rms)",
+           s.position_errors.size(), s.truths, s.recall(), s.position_errors.size(), s.estimates, s.precision(), position.rmse, width.rmse);
+  for (const std::string& missed : s.missed) add_line(text, "  %-8s missed", missed.c_str());
+  for (const long long id : s.invented) add_line(text, "  find %lld is no true one", id);
 }
 
 void add_places(std::string& text, const char* name, const PlaceScore& s) {
@@ -89,6 +108,8 @@ std::string to_table(const Evaluation& e) {
   }
   if (e.rooms) add_places(text, "rooms", *e.rooms);
   if (e.corridors) add_places(text, "corridors", *e.corridors);
+  if (e.places) add_quality(text, *e.places);
+  if (e.doors) add_doors(text, *e.doors);
   for (const std::string& remark : e.remarks) text += "note: " + remark + "\n";
   return text;
 }

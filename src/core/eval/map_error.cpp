@@ -23,11 +23,12 @@ const char* to_string(PlanSurface value) {
     case PlanSurface::ceiling: return "ceiling";
     case PlanSurface::column: return "column";
     case PlanSurface::furniture: return "furniture";
+    case PlanSurface::ground: return "ground";
   }
   return "?";
 }
 
-PlanSurfaces::PlanSurfaces(const Plan& plan, double reach) : reach_(reach), levels_(plan.levels) {
+PlanSurfaces::PlanSurfaces(const Plan& plan, double reach) : reach_(reach), levels_(plan.levels), ground_(plan.ground) {
   for (const PlanWall& wall : plan.walls) add(wall);
   for (const PlanBlock& block : plan.blocks) {
     const auto surface = block.furniture ? PlanSurface::furniture : PlanSurface::column;
@@ -121,6 +122,7 @@ SurfaceDistance PlanSurfaces::nearest(const Eigen::Vector3d& p) const {
     if (level.has_floor) offer(PlanSurface::floor, std::abs(p.z() - level.floor - level.floor_shape(p.head<2>())));
     if (level.ceiling) offer(PlanSurface::ceiling, std::abs(p.z() - *level.ceiling - level.ceiling_shape(p.head<2>())));
   }
+  if (ground_) offer(PlanSurface::ground, std::abs(p.z() - *ground_));
   const Eigen::Vector2d cell = (p.head<2>() - origin_) / cell_size;
   if (cell.minCoeff() >= 0 && cell.x() < columns_ && cell.y() < rows_) {
     const auto index = static_cast<std::size_t>(static_cast<int>(cell.y()) * columns_ + static_cast<int>(cell.x()));
@@ -137,6 +139,7 @@ MapError map_error(const std::vector<Eigen::Vector3f>& points, const Pose& T_tru
     });
   };
   MapError result;
+  std::vector<double> all;
   std::vector<double> structure;
   std::vector<double> walls;
   std::vector<double> horizontal;
@@ -149,8 +152,10 @@ MapError map_error(const std::vector<Eigen::Vector3f>& points, const Pose& T_tru
       continue;
     }
     const SurfaceDistance found = surfaces.nearest(p);
+    all.push_back(found.surface == PlanSurface::none ? cap : found.distance);
     switch (found.surface) {
       case PlanSurface::none: ++result.beyond_cap; continue;
+      case PlanSurface::ground: ++result.outdoors; continue;
       case PlanSurface::furniture: furniture.push_back(found.distance); continue;
       case PlanSurface::wall: walls.push_back(found.distance); break;
       case PlanSurface::floor:
@@ -158,6 +163,11 @@ MapError map_error(const std::vector<Eigen::Vector3f>& points, const Pose& T_tru
       case PlanSurface::column: break;
     }
     structure.push_back(found.distance);
+  }
+  if (!all.empty()) {
+    const auto ghosts = std::count_if(all.begin(), all.end(), [](double distance) { return distance > ghost_distance; });
+    result.ghost_share = static_cast<double>(ghosts) / static_cast<double>(all.size());
+    result.p95 = quantile(std::move(all), 0.95);
   }
   result.structure = statistics_of(std::move(structure));
   result.walls = statistics_of(std::move(walls));

@@ -118,6 +118,7 @@ Plan plan_from(const json& j) {
   for (const json& r : j.value("other_rooms", json::array())) plan.rooms.push_back(not_entered(place_from(r)));
   for (const json& c : j.value("other_corridors", json::array())) plan.corridors.push_back(not_entered(place_from(c)));
   for (const json& s : j.value("storeys", json::array())) plan.levels.push_back(level_from(s));
+  if (j.contains("ground")) plan.ground = j.at("ground").get<double>();
   if (plan.levels.empty()) plan.levels = levels_under(plan.walls);
   return plan;
 }

@@ -1,6 +1,7 @@
 #include <cmath>
 
 #include "plan.hpp"
+#include "regions.hpp"
 #include "route_check.hpp"
 #include "sgraph_slam/core/sim/motion.hpp"
 #include "sgraph_slam/core/sim/world.hpp"
@@ -23,6 +24,8 @@ World box_world(double length, double width, double height, const std::vector<Ei
   std::string error;
   storey.rooms.push_back(*place_between_walls(storey, {0, 0}, 0, error));
   storey.rooms.back().name = "box";
+  storey.seeds.push_back({"box", "room", Eigen::Vector2d::Zero(), true, 0});
+  storey.regions = regions_of(storey, "box");
   world.storeys.push_back(storey);
   for (const Eigen::Vector2d& at : route) world.route.waypoints.push_back({at, 0, 0});
   if (route.empty()) world.route.waypoints.push_back({Eigen::Vector2d::Zero(), 0, 0});

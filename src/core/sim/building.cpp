@@ -3,6 +3,7 @@
 #include <optional>
 
 #include "plan.hpp"
+#include "regions.hpp"
 #include "route_check.hpp"
 #include "sgraph_slam/core/sim/motion.hpp"
 #include "sgraph_slam/core/sim/world.hpp"
@@ -199,6 +200,7 @@ World with_building_errors(const World& world) {
     }
     measure_again(storey, storey.rooms);
     measure_again(storey, storey.corridors);
+    storey.regions = regions_of(storey, world.file);
   }
   check_routes_as_built(result);
   return result;

@@ -6,6 +6,7 @@
 
 #include "people.hpp"
 #include "plan.hpp"
+#include "regions.hpp"
 #include "yaml_fields.hpp"
 
 namespace sgraph::sim {
@@ -34,19 +35,23 @@ void add(std::vector<Obstacle>& obstacles, Obstacle obstacle) {
   obstacles.push_back(std::move(obstacle));
 }
 
+void add_walls(std::vector<Obstacle>& obstacles, const Storey& storey) {
+  for (const Wall& wall : storey.walls) {
+    const Eigen::Vector2d along = wall.direction();
+    const Eigen::Vector2d across = 0.5 * wall.thickness * Eigen::Vector2d(-along.y(), along.x());
+    for (const WallPiece& piece : pieces_of(wall, true)) {
+      const Eigen::Vector2d a = wall.p + piece.begin * along;
+      const Eigen::Vector2d b = wall.p + piece.end * along;
+      add(obstacles,
+          {{a - across, b - across, b + across, a + across}, wall.bottom + piece.bottom, wall.bottom + piece.top, "a wall", wall.line, {}, {}});
+    }
+  }
+}
+
 std::vector<Obstacle> obstacles_of(const World& world, bool walls_only) {
   std::vector<Obstacle> obstacles;
   for (const Storey& storey : world.storeys) {
-    for (const Wall& wall : storey.walls) {
-      const Eigen::Vector2d along = wall.direction();
-      const Eigen::Vector2d across = 0.5 * wall.thickness * Eigen::Vector2d(-along.y(), along.x());
-      for (const WallPiece& piece : pieces_of(wall, true)) {
-        const Eigen::Vector2d a = wall.p + piece.begin * along;
-        const Eigen::Vector2d b = wall.p + piece.end * along;
-        add(obstacles,
-            {{a - across, b - across, b + across, a + across}, wall.bottom + piece.bottom, wall.bottom + piece.top, "a wall", wall.line, {}, {}});
-      }
-    }
+    add_walls(obstacles, storey);
     if (walls_only) continue;
     for (const auto* blocks : {&storey.columns, &storey.furniture}) {
       for (const Block& block : *blocks) {
@@ -171,6 +176,34 @@ void check_routes(const World& world, const Motion& motion) {
   const std::vector<Obstacle> obstacles = obstacles_of(world, false);
   check_robot(world, motion, obstacles, world.motion.radius);
   check_people(world, obstacles, person_radius);
+}
+
+bool furniture_fits(const Storey& storey, int piece) {
+  constexpr double spacing = 0.1;  // of the points of an outline that are looked at [m]
+  std::vector<Obstacle> others;
+  add_walls(others, storey);
+  for (const auto* blocks : {&storey.columns, &storey.furniture}) {
+    for (const Block& block : *blocks) {
+      if (block.piece == piece && blocks == &storey.furniture) continue;
+      const double half = 0.5 * block.size.z();
+      add(others, {footprint(block), block.center.z() - half, block.center.z() + half, "", 0, {}, {}});
+    }
+  }
+  for (const Block& block : storey.furniture) {
+    if (block.piece != piece) continue;
+    const double half = 0.5 * block.size.z();
+    const std::vector<Eigen::Vector2d> outline = footprint(block);
+    for (std::size_t i = 0; i < outline.size(); ++i) {
+      const Eigen::Vector2d edge = outline[(i + 1) % outline.size()] - outline[i];
+      const int count = std::max(1, static_cast<int>(std::ceil(edge.norm() / spacing)));
+      for (int k = 0; k < count; ++k) {
+        const Eigen::Vector2d p = outline[i] + edge * k / count;
+        if (hit(others, p, 0.02, block.center.z() - half, block.center.z() + half) != nullptr) return false;
+      }
+    }
+    if (region_at(storey.regions, block.center.head<2>()) < 0) return false;
+  }
+  return true;
 }
 
 void check_routes_as_built(const World& world) {

@@ -13,4 +13,7 @@ void check_routes(const World& world, const Motion& motion);
 /// The same of a building with its errors built in, 5 cm more lenient: what they move was checked as planned. Furniture is not looked at.
 void check_routes_as_built(const World& world);
 
+/// Whether a piece of furniture (`Block::piece`) stands clear of the storey's walls, columns and other furniture.
+bool furniture_fits(const Storey& storey, int piece);
+
 }  // namespace sgraph::sim

@@ -2,6 +2,7 @@
 
 #include "furniture.hpp"
 #include "plan.hpp"
+#include "regions.hpp"
 
 namespace sgraph::sim {
 
@@ -66,6 +67,7 @@ class PlanReader {
         width = fields.number("width", usual_width, {0.05, 200});
         opening.bottom = fields.number("bottom", usual.bottom, {0, 100});
         opening.top = fields.number("top", usual.top, {0.05, 1000});
+        opening.joins = !usual.pane && fields.flag("joins", false);
         fields.finish();
       }
       for (const Eigen::Vector2d& at : places) {
@@ -113,7 +115,9 @@ class PlanReader {
       for (const Eigen::Vector2d& at : places_of(fields.need("at"))) {
         std::vector<Block> blocks = furniture_piece(kind, {at.x(), at.y(), storey_.elevation + z}, yaw, size);
         if (blocks.empty()) fields.fail(node, "no furniture is called `" + kind + "`; there are " + furniture_names());
+        const int piece = storey_.furniture.empty() ? 1 : storey_.furniture.back().piece + 1;
         for (Block& block : blocks) {
+          block.piece = piece;
           block.line = line_of(node);
           storey_.furniture.push_back(block);
         }
@@ -141,6 +145,27 @@ class PlanReader {
       if (!place) plan_.fail(entry.first, name + ": " + error);
       place->name = name;
       places.push_back(*place);
+      storey_.seeds.push_back({name, std::string(key) == "corridors" ? "corridor" : "room", place->center, false, line_of(entry.first)});
+    }
+  }
+
+  void seeds() {
+    const YAML::Node node = plan_.take("places");
+    if (node.IsNull()) return;
+    if (!node.IsMap()) plan_.fail(node, "`places` must be a map from names to points");
+    for (const auto& entry : node) {
+      PlaceSeed seed{entry.first.Scalar(), "room", {}, true, line_of(entry.first)};
+      YAML::Node at = entry.second;
+      if (entry.second.IsMap()) {
+        Fields fields(entry.second, plan_.file(), seed.name);
+        at.reset(fields.need("at"));
+        seed.kind = fields.text("kind", "room");
+        if (seed.kind != "room" && seed.kind != "corridor" && seed.kind != "hall" && seed.kind != "open_plan")
+          fields.fail(entry.second, "`kind` must be room, corridor, hall or open_plan");
+        fields.finish();
+      }
+      seed.at = frame_ * plan_.point_of(at);
+      storey_.seeds.push_back(seed);
     }
   }
 
@@ -208,16 +233,18 @@ Storey read_storey(Fields& fields, const std::string& name, PlanFrames& frames) 
   // All walls first: openings and places look for them.
   for (PlanReader& reader : readers) reader.walls();
   for (PlanReader& reader : readers) {
-    reader.openings("doors", {0, 0, 0, 2.1, false}, 0.95);
-    reader.openings("openings", {0, 0, 0, whole_height, false}, 1.5);
-    reader.openings("windows", {0, 0, 0.9, 2.2, true}, 1.4);
-    reader.openings("glass", {0, 0, 0, whole_height, true}, 2.0);
+    reader.openings("doors", {0, 0, 0, 2.1, false, false, false}, 0.95);
+    reader.openings("openings", {0, 0, 0, whole_height, false, false, false}, 1.5);
+    reader.openings("windows", {0, 0, 0.9, 2.2, true, false, false}, 1.4);
+    reader.openings("glass", {0, 0, 0, whole_height, true, false, false}, 2.0);
     reader.columns();
     reader.furniture();
     reader.places("rooms", storey.rooms);
     reader.places("corridors", storey.corridors);
+    reader.seeds();
   }
   for (const Fields& wing : wings) wing.finish();
+  storey.regions = regions_of(storey, fields.file());
   return storey;
 }
 

@@ -149,11 +149,9 @@ void add_level(std::vector<Surface>& all, const std::vector<Eigen::Vector2d>& ou
 
 void add_ground(std::vector<Surface>& all, const World& world) {
   constexpr double margin = 60;
-  double lowest = 1e9;
   Eigen::Vector2d low(1e9, 1e9);
   Eigen::Vector2d high(-1e9, -1e9);
   for (const Storey& storey : world.storeys) {
-    lowest = std::min(lowest, storey.elevation);
     for (const auto& outline : storey.outlines) {
       for (const Eigen::Vector2d& p : outline) {
         low = low.cwiseMin(p);
@@ -163,7 +161,7 @@ void add_ground(std::vector<Surface>& all, const World& world) {
   }
   low.array() -= margin;
   high.array() += margin;
-  all.push_back({at_height({low, {high.x(), low.y()}, high, {low.x(), high.y()}}, lowest - 0.15), SurfaceKind::ground, Material::ground});
+  all.push_back({at_height({low, {high.x(), low.y()}, high, {low.x(), high.y()}}, ground_height(world)), SurfaceKind::ground, Material::ground});
 }
 
 }  // namespace
@@ -179,6 +177,13 @@ const char* to_string(SurfaceKind value) {
     case SurfaceKind::ground: return "ground";
   }
   return "?";
+}
+
+double ground_height(const World& world) {
+  constexpr double step = 0.15;  // down from the lowest floor
+  double lowest = 1e9;
+  for (const Storey& storey : world.storeys) lowest = std::min(lowest, storey.elevation);
+  return lowest - step;
 }
 
 std::vector<Surface> surfaces_of(const World& world) {

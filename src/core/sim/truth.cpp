@@ -2,6 +2,7 @@
 #include <nlohmann/json.hpp>
 
 #include "plan.hpp"
+#include "regions.hpp"
 #include "sgraph_slam/core/sim/scene.hpp"
 #include "sgraph_slam/core/sim/simulator.hpp"
 
@@ -30,6 +31,69 @@ bool visited(const Place& place, const std::vector<Eigen::Vector2d>& way) {
     if (std::abs(inside.x()) < 0.5 * place.width.x() && std::abs(inside.y()) < 0.5 * place.width.y()) return true;
   }
   return false;
+}
+
+// Which regions of a storey the robot comes into: its middle at least this far from the walls, so that standing in a door is not enough.
+std::vector<bool> entered_regions(const Storey& storey, const std::vector<Eigen::Vector3d>& way) {
+  constexpr double margin = 0.3;
+  std::vector<bool> entered(storey.regions.size(), false);
+  for (const Eigen::Vector3d& p : way) {
+    if (p.z() < storey.elevation || p.z() > storey.elevation + storey.height) continue;
+    const int at = region_at(storey.regions, p.head<2>(), margin);
+    if (at >= 0) entered[static_cast<std::size_t>(at)] = true;
+  }
+  return entered;
+}
+
+json ring_json(const std::vector<Eigen::Vector2d>& ring) {
+  json corners = json::array();
+  for (const Eigen::Vector2d& p : ring) corners.push_back(point(p));
+  return corners;
+}
+
+void add_regions(json& truth, const Storey& storey, std::size_t number, const std::vector<bool>& entered) {
+  for (std::size_t i = 0; i < storey.regions.size(); ++i) {
+    const Region& region = storey.regions[i];
+    json holes = json::array();
+    for (const auto& hole : region.holes) holes.push_back(ring_json(hole));
+    truth["places"].push_back({{"id", region.name},
+                               {"kind", region.kind},
+                               {"storey", number},
+                               {"polygon", ring_json(region.outline)},
+                               {"holes", holes},
+                               {"area", region.area},
+                               {"z", storey.elevation},
+                               {"height", storey.height},
+                               {"entered", static_cast<bool>(entered[i])}});
+  }
+}
+
+// Doors that somebody who walks the route must find: as wide as a door, and of a place that the robot enters. Wider ones and those of other places
+// are listed, but not wanted.
+void add_doors(json& truth, const Storey& storey, std::size_t number, const std::vector<bool>& entered) {
+  constexpr double narrowest = 0.6;
+  constexpr double widest = 1.6;
+  const auto is_entered = [&entered](int region) { return region >= 0 && entered[static_cast<std::size_t>(region)]; };
+  const auto name_of = [&storey](int region) { return region >= 0 ? json(storey.regions[static_cast<std::size_t>(region)].name) : json(); };
+  for (const Doorway& door : doorways_of(storey)) {
+    const bool wanted = !door.closed && door.width >= narrowest && door.width <= widest && (is_entered(door.from) || is_entered(door.to));
+    truth["doors"].push_back({{"id", "door " + std::to_string(truth["doors"].size() + 1)},
+                              {"position", {door.position.x(), door.position.y(), storey.elevation}},
+                              {"yaw", door.yaw},
+                              {"width", door.width},
+                              {"height", door.height},
+                              {"from", name_of(door.from)},
+                              {"to", name_of(door.to)},
+                              {"storey", number},
+                              {"closed", door.closed},
+                              {"wanted", wanted}});
+  }
+}
+
+json session_json(const Session& session) {
+  json moved = json::array();
+  for (const FurnitureMove& m : session.moved) moved.push_back({{"kind", m.name}, {"from", point(m.from)}, {"to", point(m.to)}});
+  return {{"seed", session.seed}, {"moved", moved}, {"closed_doors", ring_json(session.closed_doors)}};
 }
 
 json wall_json(const Wall& wall) {
@@ -97,14 +161,24 @@ std::string truth_json(const World& world, const Motion& motion, double duration
                 {"other_rooms", json::array()},
                 {"other_corridors", json::array()},
                 {"corridors", json::array()},
+                {"places", json::array()},
+                {"doors", json::array()},
                 {"walls", json::array()},
                 {"columns", json::array()},
                 {"furniture", json::array()},
                 {"storeys", json::array()},
                 {"surfaces", json::array()}};
   std::vector<Eigen::Vector2d> way;
-  for (double t = 0; t <= duration; t += 0.1) way.emplace_back(motion.pose_at(t).translation.head<2>());
-  for (const Storey& storey : world.storeys) {
+  std::vector<Eigen::Vector3d> way_in_space;
+  for (double t = 0; t <= duration; t += 0.1) {
+    way_in_space.push_back(motion.pose_at(t).translation);
+    way.emplace_back(way_in_space.back().head<2>());
+  }
+  for (std::size_t number = 0; number < world.storeys.size(); ++number) {
+    const Storey& storey = world.storeys[number];
+    const std::vector<bool> entered = entered_regions(storey, way_in_space);
+    add_regions(truth, storey, number, entered);
+    add_doors(truth, storey, number, entered);
     for (const Place& place : storey.rooms) truth[visited(place, way) ? "rooms" : "other_rooms"].push_back(place_json(place));
     for (const Place& place : storey.corridors) truth[visited(place, way) ? "corridors" : "other_corridors"].push_back(place_json(place));
     for (const Wall& wall : storey.walls) truth["walls"].push_back(wall_json(wall));
@@ -114,6 +188,7 @@ std::string truth_json(const World& world, const Motion& motion, double duration
       json corners = json::array();
       for (const Eigen::Vector2d& p : outline) corners.push_back(point(p));
       truth["storeys"].push_back({{"name", storey.name},
+                                  {"storey", number},
                                   {"elevation", storey.elevation},
                                   {"height", storey.height},
                                   {"floor", storey.floor},
@@ -124,6 +199,8 @@ std::string truth_json(const World& world, const Motion& motion, double duration
     }
   }
   for (const Surface& surface : surfaces_of(world)) truth["surfaces"].push_back(surface_json(surface));
+  if (world.ground) truth["ground"] = ground_height(world);
+  truth["session"] = session_json(world.session);
   truth["sensor"] = sensor_json(lidar);
   truth["duration"] = duration;
   truth["length"] = motion.length();

@@ -7,6 +7,7 @@
 #include "sgraph_slam/core/eval/association_error.hpp"
 #include "sgraph_slam/core/eval/map_error.hpp"
 #include "sgraph_slam/core/eval/place_error.hpp"
+#include "sgraph_slam/core/eval/place_quality.hpp"
 #include "sgraph_slam/core/eval/trajectory_error.hpp"
 #include "sgraph_slam/core/eval/wall_error.hpp"
 
@@ -46,6 +47,8 @@ struct Evaluation {
   std::optional<MapError> map;
   std::optional<PlaceScore> rooms;
   std::optional<PlaceScore> corridors;
+  std::optional<PlaceQuality> places;
+  std::optional<DoorQuality> doors;
   std::optional<WallScore> walls;
   std::optional<AssociationScore> associations;
   std::optional<AssociationLoss> association_loss;

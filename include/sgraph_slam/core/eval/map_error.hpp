@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include <Eigen/Core>
@@ -11,7 +12,7 @@
 namespace sgraph {
 
 /// What a map point was measured against.
-enum class PlanSurface { none, wall, floor, ceiling, column, furniture };
+enum class PlanSurface { none, wall, floor, ceiling, column, furniture, ground };
 
 const char* to_string(PlanSurface value);
 
@@ -52,11 +53,15 @@ class PlanSurfaces {
   double reach_;
   std::vector<Solid> solids_;
   std::vector<PlanLevel> levels_;
+  std::optional<double> ground_;
   Eigen::Vector2d origin_ = Eigen::Vector2d::Zero();  // of the grid of square cells
   int columns_ = 0;
   int rows_ = 0;
   std::vector<std::vector<int>> cells_;  // solids within reach of each cell
 };
+
+/// A map point further than this from every true surface shows something that isn't there [m].
+constexpr double ghost_distance = 0.10;
 
 /// Map points against the building (the paper's "point cloud RMSE", the other way round would count what was never seen).
 struct MapError {
@@ -64,8 +69,12 @@ struct MapError {
   Statistics walls;       ///< of them, those nearest to a wall
   Statistics horizontal;  ///< of them, those nearest to a floor or ceiling
   Statistics furniture;   ///< points nearest to furniture that the truth lists; in no other figure
-  int points = 0;         ///< in the map
+  double ghost_share =
+      0;               ///< points more than `ghost_distance` off every surface, furniture and ground outdoors included, of those with a known height
+  double p95 = 0;      ///< distance to the nearest surface that 95 % of them keep; at most the cap [m]
+  int points = 0;      ///< in the map
   int beyond_cap = 0;  ///< left out: further than the cap from every surface (furniture that the truth doesn't list, people, views through windows)
+  int outdoors = 0;    ///< left out: on the ground around the building
   int unknown_height = 0;  ///< left out: 2 m or more above the floor where the truth tells no ceiling
 };
 

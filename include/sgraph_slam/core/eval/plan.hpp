@@ -86,6 +86,7 @@ struct Plan {
   std::vector<PlanWall> walls;
   std::vector<PlanBlock> blocks;
   std::vector<PlanLevel> levels;
+  std::optional<double> ground;  ///< z around the building [m]
   std::vector<PlanPlace> rooms;
   std::vector<PlanPlace> corridors;
 };
@@ -96,8 +97,8 @@ std::vector<PlanBlock> panes(const Plan& plan);
 /// Reads truth.json: "walls" [{"p", "q", "t", "z", optional "height", "extend_p", "extend_q", "glass", "openings" [{"begin", "end", "bottom", "top",
 /// "pane"}]}]; "rooms" and "corridors", and "other_rooms" and "other_corridors" that
 /// the robot does not enter [{"id", "center", "width" and "yaw" or "polygon", whose first edge gives it}]; optional "columns" and
-/// "furniture" [{"center", "size", "yaw", "round"}] and "storeys" [{"elevation", "height", "floor", "ceiling", "outline"}]. Without storeys there is
-/// one floor a z of the walls, under all of them, and the ceiling counts as unknown. Throws std::runtime_error with file and key.
+/// "furniture" [{"center", "size", "yaw", "round"}] and "storeys" [{"elevation", "height", "floor", "ceiling", "outline"}] and "ground". Without
+/// storeys there is one floor a z of the walls, under all of them, and the ceiling counts as unknown. Throws std::runtime_error with file and key.
 Plan read_plan(const std::string& path);
 
 }  // namespace sgraph

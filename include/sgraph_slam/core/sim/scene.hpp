@@ -25,6 +25,9 @@ struct Surface {
 /// Everything that stands still in a world, as polygons. Surfaces hidden inside of others (where walls meet) are left in: no ray sees them.
 std::vector<Surface> surfaces_of(const World& world);
 
+/// z of the ground around the building [m].
+double ground_height(const World& world);
+
 constexpr int packet_size = 16;
 
 /// Rays traced together; unit directions.

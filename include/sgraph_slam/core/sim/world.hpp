@@ -23,11 +23,13 @@ enum class Material { plaster, concrete, wood, fabric, metal, glass, ground };
 
 /// A hole in a wall: door, passage, or window when it holds a pane.
 struct Opening {
-  double begin = 0;   ///< along the wall from `Wall::p` [m]
-  double end = 0;     ///< [m]
-  double bottom = 0;  ///< above the storey's floor [m]
-  double top = 2.1;   ///< [m]
-  bool pane = false;  ///< filled with glass
+  double begin = 0;     ///< along the wall from `Wall::p` [m]
+  double end = 0;       ///< [m]
+  double bottom = 0;    ///< above the storey's floor [m]
+  double top = 2.1;     ///< [m]
+  bool pane = false;    ///< filled with glass
+  bool closed = false;  ///< a door that stands shut: its leaf is a block named "door"
+  bool joins = false;   ///< so wide that what lies on its two sides is one place
 };
 
 /// A straight wall along its centre line from p to q.
@@ -58,6 +60,7 @@ struct Block {
   bool round = false;
   Material material = Material::wood;
   std::string name;  ///< "desk", "column", ... for messages and truth
+  int piece = 0;     ///< blocks of one piece of furniture share a number; 0: of none
   int line = 0;
 };
 
@@ -69,6 +72,24 @@ struct Place {
   double yaw = 0;                                   ///< of its own x axis [rad]
   double z = 0;                                     ///< floor [m]
   double height = 0;                                ///< floor to ceiling [m]
+};
+
+/// A point that names the place around it.
+struct PlaceSeed {
+  std::string name;
+  std::string kind;  ///< room, corridor, hall, open_plan
+  Eigen::Vector2d at = Eigen::Vector2d::Zero();
+  bool needs_region = false;  ///< walls must enclose it
+  int line = 0;
+};
+
+/// A place of any outline, as truth: the floor between the faces of its walls.
+struct Region {
+  std::string name;
+  std::string kind;
+  std::vector<Eigen::Vector2d> outline;             ///< counter-clockwise
+  std::vector<std::vector<Eigen::Vector2d>> holes;  ///< blocks of at least 1 m^2 that stand in it, walls around
+  double area = 0;                                  ///< without small blocks [m^2]
 };
 
 /// How far a floor or ceiling is from flat: a slope and a few long waves. Height above the nominal one as a function of the place.
@@ -100,6 +121,8 @@ struct Storey {
   std::vector<Block> furniture;
   std::vector<Place> rooms;
   std::vector<Place> corridors;
+  std::vector<PlaceSeed> seeds;
+  std::vector<Region> regions;  ///< all places that its walls enclose, those with seeds first
 };
 
 /// Somebody who walks a line there and back.
@@ -154,6 +177,20 @@ struct BuildingErrors {
   double undulation = 0.004;                   ///< their waves, peak to peak [m]
 };
 
+/// A piece of furniture that stands elsewhere than the world's file says.
+struct FurnitureMove {
+  std::string name;
+  Eigen::Vector2d from = Eigen::Vector2d::Zero();
+  Eigen::Vector2d to = Eigen::Vector2d::Zero();
+};
+
+/// What a later session changes.
+struct Session {
+  std::uint64_t seed = 0;  ///< 0: the world as in its file
+  std::vector<FurnitureMove> moved;
+  std::vector<Eigen::Vector2d> closed_doors;  ///< their middles
+};
+
 /// A building, who walks in it, and the robot's route. Right-handed, z up, metres, one frame ("world").
 struct World {
   std::string name;
@@ -164,6 +201,7 @@ struct World {
   MotionProfile motion;
   Pose T_base_lidar{Eigen::Quaterniond::Identity(), Eigen::Vector3d(0.15, 0.0, 0.25)};
   bool ground = true;     ///< ground around the building, seen through windows
+  Session session;        ///< what was changed in it
   BuildingErrors errors;  ///< of the building where it is not to be as planned
 };
 
@@ -178,6 +216,11 @@ World parse_world(const std::string& text, const std::string& file = "world", co
 /// and ceilings sloped and wavy; columns and furniture standing on them; rooms measured anew between the walls. Throws WorldError where the route
 /// does not fit any more.
 World with_building_errors(const World& world);
+
+/// The same building on another day: the route the other way about from another start and with another heading, three pieces of furniture in ten
+/// moved by 0.3 to 1 m, one door in four shut (what lies behind it is left out of the route) - each as far as the robot still gets through.
+/// Deterministic.
+World with_session(const World& world, std::uint64_t seed);
 
 /// A bare box of the given inner size with its centre at the origin; the robot stands at the centre, or walks `route` when it is given. For tests.
 World box_world(double length, double width, double height = 2.8, const std::vector<Eigen::Vector2d>& route = {});
