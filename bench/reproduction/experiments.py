@@ -53,6 +53,26 @@ MAPS = Experiment('maps', PAPER_WORLDS + FURTHER_WORLDS, [
     Variant('encoders_odometry', 'encoder odometry alone', ENCODERS, MOTION_ONLY)])
 
 
+# Twins of the worlds: seen by a real sensor, each by another unit, in a building with the errors of real ones.
+def real_sensor(worlds):
+    return {world: {'real': ['--sensor', 'real', '--unit', str(number)]} for number, world in enumerate(worlds, 1)}
+
+
+TWINS = Experiment('twins', MAPS.worlds, MAPS.variants[:3], simulations=real_sensor(MAPS.worlds))
+
+# Buildings of other outlines than rectangles, with both sensors. The second set is kept aside: it is run when the work on places is done, and only read.
+PLAN_WORLDS = ['plan_shapes', 'plan_halls', 'plan_warehouse', 'plan_open_office', 'plan_branching', 'plan_alcoves']
+HOLDOUT_WORLDS = ['holdout_museum', 'holdout_school', 'holdout_factory', 'holdout_ward', 'holdout_villa', 'holdout_star']
+
+
+def plans(name, worlds):
+    simulations = {world: {'ideal': [], **real} for world, real in real_sensor(worlds).items()}
+    return Experiment(name, worlds, [Variant('full', 'this package'), Variant('odometry', 'odometry alone', MOTION_ONLY)], simulations=simulations)
+
+
+PLANS, HOLDOUTS = plans('plans', PLAN_WORLDS), plans('holdouts', HOLDOUT_WORLDS)
+
+
 def motion(name, label, settings=None):
     return Variant(name, label, MOTION_ONLY, settings or {})
 
@@ -104,7 +124,7 @@ ODOMETRIES = [
 TOPOLOGY = Experiment('topology', ['se1', 'se2', 'cf1'], [
     Variant(f'{source}_{name}', label, settings, odometry) for source, _, odometry in ODOMETRIES for name, label, settings in MECHANISMS])
 
-EXPERIMENTS = {e.name: e for e in (MAPS, ODOMETRY, ROBUSTNESS, PLANES, TOPOLOGY)}
+EXPERIMENTS = {e.name: e for e in (MAPS, TWINS, PLANS, HOLDOUTS, ODOMETRY, ROBUSTNESS, PLANES, TOPOLOGY)}
 ALL_WORLDS = list(dict.fromkeys(world for e in EXPERIMENTS.values() for world in e.worlds))
 
 

@@ -94,6 +94,31 @@ def place_errors(kind):
     return read
 
 
+def quality(evaluation, _):
+    score = evaluation['places']
+    return f"{score['panoptic_quality']:.3f}"
+
+
+def places_found(evaluation, _):
+    score = evaluation['places']
+    wrong = len(score['invented'])
+    return f"{len(score['matches'])} / {score['true']}" + (f', {wrong} wrong' if wrong else '')
+
+
+def overlaps(evaluation, _):
+    score = evaluation['places']
+    return f"{100 * score['iou_of_true']:.0f} / {100 * score['iou_of_found']:.0f} %"
+
+
+def doors(evaluation, _):
+    score = evaluation['doors']
+    return f"{score['recall']:.2f} / {score['precision']:.2f} / {100 * score['width_error_m']['rmse']:.1f} cm"
+
+
+def ghosts(evaluation, _):
+    return f"{100 * evaluation['map']['ghost_share']:.2f} % / {evaluation['map']['p95_m']:.3f}"
+
+
 def walls_found(evaluation, _):
     score = evaluation['walls']
     return f"{score['found']} / {score['faces']} ({100 * score['recall']:.0f} %)"

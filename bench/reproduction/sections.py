@@ -1,7 +1,7 @@
 """The parts of docs/results.md, each a function that makes its text from the runs."""
 from . import figures as f
 from . import published
-from .experiments import FURTHER_WORLDS, MAPS, MECHANISMS, ODOMETRIES, ODOMETRY, PAPER_WORLDS, PLANES, ROBUSTNESS, SEEDS, TOPOLOGY
+from .experiments import FURTHER_WORLDS, HOLDOUTS, MAPS, MECHANISMS, ODOMETRIES, ODOMETRY, PAPER_WORLDS, PLANES, PLANS, ROBUSTNESS, SEEDS, TOPOLOGY, TWINS
 
 PICTURES = {'cf1': 'images/cf1.png', 'se2': 'images/se2.png'}  # world: file beside the page
 ROBOT_WORLDS = PAPER_WORLDS + ['oblique', 'two_wings', 'people']
@@ -12,7 +12,7 @@ def text_of(part, results):
     experiment, function = SECTIONS[part]
     if results.worlds(experiment):
         return function(results)
-    return [f'## Ablation: {part}\n', f'No runs yet: `bench/reproduce --tables {part}`.\n']
+    return [f'## {part.capitalize()}\n', f'No runs yet: `bench/reproduce --tables {part}`.\n']
 
 
 def table(head, rows):
@@ -40,9 +40,9 @@ class Results:
             self.read[key] = self.runner.result(experiment, world, variant, simulation)
         return self.read[key]
 
-    def cell(self, experiment, world, name, figure):
+    def cell(self, experiment, world, name, figure, simulation=None):
         """A figure of a run, a dash when there is none."""
-        result = self.of(experiment, world, name)
+        result = self.of(experiment, world, name, simulation)
         try:
             return figure(*result[:2]) if result else '-'
         except (KeyError, TypeError):
@@ -139,6 +139,39 @@ def worlds(results):
             'data, peak memory [MiB] (of one process that maps the world in all six ways of the tables above at once), and CPU seconds of the simulator a second of data.\n',
             table(['world', 'prefilter and odometry a scan', 'p99', 'segmentation a second', 'mapping a second', 'all, s/s', 'memory of six', 'simulator, s/s'],
                   [line + [speed_of_simulator(names[line[0]])] for line in cost])]
+
+
+def twins(results):
+    rows = []
+    for world in TWINS.worlds:
+        cells = [' / '.join(results.cell(e, world, name, f.ate) for e in (MAPS, TWINS)) for name in ('odometry', 'no_layer', 'full')]
+        cells += [results.cell(TWINS, world, 'full', figure) for figure in (f.quality, f.places_found, f.map_rmse, f.ghosts)]
+        if any(c != '-' for c in cells[3:]) or results.of(TWINS, world, 'odometry'):
+            rows.append([title(world), *cells])
+    return ['## Real sensor, real building\n',
+            'The same worlds with the errors of a real VLP-16, a unit a world, and of real buildings ([simulator.md](simulator.md)). ATE of the final poses [m], ideal / real; of the real one also the panoptic quality of the places, how many were found, '
+            'map to plan [m], and the share of map points more than 10 cm off every surface / the distance that 95 % of the points keep [m].\n',
+            table(['world', 'odometry alone', 'without topological layer', 'whole', 'quality of places', 'found', 'map to plan', 'ghosts / 95 %'], rows)]
+
+
+def places_of(experiment, heading, words):
+    def text(results):
+        parts = [f'## {heading}\n', words + ' Panoptic quality, places found (with those that are none), overlap of true / found places, doors: recall / precision / error of the width (rms), ATE [m] whole / odometry alone.\n']
+        for simulation, label in (('ideal', 'Ideal sensor, building as planned'), ('real', 'Real sensor, real building')):
+            rows = []
+            for world in experiment.worlds:
+                cells = [results.cell(experiment, world, 'full', figure, simulation) for figure in (f.quality, f.places_found, f.overlaps, f.doors)]
+                cells.append(' / '.join(results.cell(experiment, world, name, f.ate, simulation) for name in ('full', 'odometry')))
+                if results.of(experiment, world, 'full', simulation):
+                    rows.append([title(world), *cells])
+            if rows:
+                parts += [f'### {label}\n', table(['plan', 'quality', 'places', 'overlaps', 'doors', 'ATE'], rows)]
+        return parts
+    return text
+
+
+plans = places_of(PLANS, 'Places of any outline', 'Six buildings that were looked at while the detection of places was built (`worlds/plan_*.yaml`).')
+holdouts = places_of(HOLDOUTS, 'Places in buildings kept aside', 'Six buildings that were not looked at while the detection of places was built (`worlds/holdout_*.yaml`).')
 
 
 def begun(experiment, world):
@@ -244,5 +277,5 @@ def topology(results):
 
 
 # Name of the part, the experiment that it tells of, the function.
-SECTIONS = {'paper': (MAPS, paper), 'worlds': (MAPS, worlds), 'odometry': (ODOMETRY, odometry), 'robustness': (ROBUSTNESS, robustness), 'planes': (PLANES, planes), 'topology': (TOPOLOGY, topology)}
-GROUPS = {'all': list(SECTIONS), 'maps': ['paper', 'worlds'], 'ablation': ['odometry', 'robustness', 'planes', 'topology']}
+SECTIONS = {'paper': (MAPS, paper), 'worlds': (MAPS, worlds), 'twins': (TWINS, twins), 'plans': (PLANS, plans), 'holdouts': (HOLDOUTS, holdouts), 'odometry': (ODOMETRY, odometry), 'robustness': (ROBUSTNESS, robustness), 'planes': (PLANES, planes), 'topology': (TOPOLOGY, topology)}
+GROUPS = {'all': list(SECTIONS), 'maps': ['paper', 'worlds'], 'real': ['twins'], 'places': ['plans', 'holdouts'], 'ablation': ['odometry', 'robustness', 'planes', 'topology']}
