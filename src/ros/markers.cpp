@@ -3,7 +3,9 @@
 #include <cmath>
 #include <cstdio>
 #include <map>
+#include <set>
 
+#include "sgraph_slam/core/math/outline_area.hpp"
 #include "sgraph_slam/ros/conversions.hpp"
 #include "sgraph_slam/ros/messages.hpp"
 
@@ -27,6 +29,9 @@ constexpr Color room_color{0.95F, 0.30F, 0.75F, 1.0F};
 constexpr Color corridor_color{0.95F, 0.80F, 0.20F, 1.0F};
 constexpr Color opening_color{0.90F, 0.90F, 0.90F, 1.0F};
 constexpr Color text_color{1.0F, 1.0F, 1.0F, 1.0F};
+
+/// Planes below this area are drawn as small ones [m^2]: a table's top is about 1.3, the piece of wall beside a door 2.
+constexpr double small_area = 1.5;
 
 std_msgs::ColorRGBA to_message(const Color& color) {
   std_msgs::ColorRGBA message;
@@ -83,9 +88,14 @@ class Drawing {
   }
 
   void planes() {
+    const std::set<PlaneId> of_places = planes_of_places();
     for (const auto& [id, plane] : snapshot_.planes) {
       if (plane.extent.size() < 3) continue;
       const Color color = color_of(plane.plane_class);
+      if (of_places.count(id) == 0 && outline_area(plane.extent) < small_area) {
+        small_plane(plane, color);
+        continue;
+      }
       if (plane.plane_class != PlaneClass::horizontal) fill(plane, color);  // a filled floor or ceiling would hide what is below
       Marker outline = marker("plane_outlines", Marker::LINE_STRIP, {color.r, color.g, color.b, 1}, 0.04);
       outline.id = static_cast<int>(id.value);
@@ -132,6 +142,22 @@ class Drawing {
     array_.markers.push_back(face);
   }
 
+  /// The planes that bound rooms and corridors: shown however small they are.
+  [[nodiscard]] std::set<PlaneId> planes_of_places() const {
+    std::set<PlaneId> all;
+    for (const auto& [id, room] : snapshot_.rooms) all.insert(room.planes.begin(), room.planes.end());
+    for (const auto& [id, corridor] : snapshot_.corridors) all.insert(corridor.planes.begin(), corridor.planes.end());
+    return all;
+  }
+
+  /// Furniture, mostly: hundreds in an office. A thin outline in a namespace of its own, which a viewer can leave out.
+  void small_plane(const ScenePlane& plane, const Color& color) {
+    Marker outline = marker("small_planes", Marker::LINE_STRIP, {color.r, color.g, color.b, 0.35F}, 0.015);
+    outline.id = static_cast<int>(plane.id.value);
+    for (std::size_t i = 0; i <= plane.extent.size(); ++i) outline.points.push_back(at(plane.extent[i % plane.extent.size()], planes_lift_));
+    array_.markers.push_back(outline);
+  }
+
   /// From each keyframe to the walls that it saw: a marker a keyframe, so that old ones need not be sent again.
   void observations() {
     std::map<KeyframeId, Marker> of_keyframes;
@@ -170,9 +196,9 @@ class Drawing {
     }
     if (!lines.points.empty()) array_.markers.push_back(lines);
 
-    Marker text = marker(name + "_labels", Marker::TEXT_VIEW_FACING, text_color, 0.5);
+    Marker text = marker(name + "_labels", Marker::TEXT_VIEW_FACING, text_color, 0.7);
     text.id = id;
-    text.pose.position = at(center, places_lift_ + 1.1);
+    text.pose.position = at(center, places_lift_ + 1.5);
     text.text = label;
     array_.markers.push_back(text);
   }

@@ -75,6 +75,19 @@ TEST(Markers, LayersLieAboveEachOther) {
   EXPECT_DOUBLE_EQ(markers.find("corridors")->second.pose.position.z, 2 * layer + 1);
 }
 
+TEST(Markers, SmallPlanesAreTonedDownUnlessTheyBoundAPlace) {
+  GraphSnapshot graph = small_graph();
+  graph.planes[{3}] = wall(3, {{1, 0, 0}, 0}, PlaneClass::x, {{0, 0, 0}, {0, 1, 0}, {0, 1, 1}, {0, 0, 1}});
+  Markers markers = by_name(graph_markers(graph, layer));
+  EXPECT_EQ(markers.count("planes"), 2U);
+  ASSERT_EQ(markers.count("small_planes"), 1U);
+  EXPECT_EQ(markers.find("small_planes")->second.id, 3);
+  graph.corridors[{4}].planes = {{0}, {3}};
+  markers = by_name(graph_markers(graph, layer));
+  EXPECT_EQ(markers.count("planes"), 3U);
+  EXPECT_EQ(markers.count("small_planes"), 0U);
+}
+
 TEST(Markers, PlacesAreLinkedToTheirWallsAndSayTheirSize) {
   GraphSnapshot graph = small_graph();
   Markers markers = by_name(graph_markers(graph, layer));
