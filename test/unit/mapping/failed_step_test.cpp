@@ -75,10 +75,14 @@ TEST(FailedStep, IsUndoneAtWhateverPointItFails) {
   for (const std::size_t broken : {std::size_t{13}, std::size_t{19}}) {
     std::optional<Ending> reference;
     int failures = 0;
-    for (long n = 200; n < 100'000'000; n = n * 7 / 2) {
+    for (long n = 200; n < 100'000'000; n *= 2) {
       const Ending ending = map_with_failure(walk, broken, n);
       if (!ending.failed) break;
       ++failures;
+      if (ending.failures.empty()) {  // it hit the copy of the last good state, of which an older one is kept: nothing is lost
+        expect_same(*sound.map, *ending.map);
+        continue;
+      }
       ASSERT_EQ(ending.failures.size(), 1U) << n;
       EXPECT_NE(ending.failures.front().find("keyframe/" + std::to_string(broken)), std::string::npos) << ending.failures.front();
       EXPECT_EQ(ending.map->keyframes.size(), walk.size());

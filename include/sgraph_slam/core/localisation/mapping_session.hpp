@@ -60,7 +60,7 @@ class MappingSession {
   void search_again(const std::optional<Pose>& near);
 
  private:
-  void place(const Localisation& found);
+  void place(Localisation found);
   GraphSnapshotPtr track(const LocatedKeyframe& seen);
 
   MappingParams params_;
