@@ -130,7 +130,7 @@ TEST(KeyframeSelector, HoldsNoMoreTheLongerTheRobotStands) {
     ASSERT_TRUE(keyframe);
     EXPECT_EQ(keyframe->scans.size(), 6000U) << "each scan keeps its place on the trajectory";
     EXPECT_LT(keyframe->cloud->size(), 10000U);
-    EXPECT_GT(keyframe->cloud->size(), accepted ? 1500U : 0U);
+    EXPECT_GT(keyframe->cloud->size(), accepted ? 1000U : 0U);
     EXPECT_LT(keyframe->cloud->viewpoints.size(), 70U);
     EXPECT_LT(keyframe->degenerate.size(), 70U);
     EXPECT_EQ(selector.held_points(), 0U);
