@@ -1,6 +1,7 @@
 #include <stdexcept>
 
 #include "json_values.hpp"
+#include "sgraph_slam/core/util/json_integer.hpp"
 
 namespace sgraph {
 namespace {
@@ -64,11 +65,11 @@ struct Reader {
 
   template <class Id>
   void block(const char* key, Id& id) {
-    id = {json.at(key).template get<std::int64_t>()};
+    id = {integer_from(json.at(key))};
   }
   void blocks(const char* key, PlaneId& a, PlaneId& b) {
-    a = {json.at(key).at(0).get<std::int64_t>()};
-    b = {json.at(key).at(1).get<std::int64_t>()};
+    a = {integer_from(json.at(key).at(0))};
+    b = {integer_from(json.at(key).at(1))};
   }
   void sigma(const char* key, double& value) { field(key, value); }
   void index(const char* key, int& value, int) { value = json.at(key).get<int>(); }

@@ -5,6 +5,7 @@
 
 #include "json_values.hpp"
 #include "sgraph_slam/core/graph/value_checks.hpp"
+#include "sgraph_slam/core/util/json_integer.hpp"
 
 namespace sgraph {
 namespace {
@@ -63,7 +64,7 @@ struct GraphReader {
 
   template <class Key, class Value>
   static void add(std::map<Key, Value>& to, const Json& json, const Value& value, const char* what) {
-    const Key id{json.at("id").template get<std::int64_t>()};
+    const Key id{integer_from(json.at("id"))};
     if (!id.valid() || !valid(value)) throw std::runtime_error(std::string("invalid ") + what + " " + std::to_string(id.value));
     if (!to.emplace(id, value).second) throw std::runtime_error(std::string(what) + " " + std::to_string(id.value) + " is given twice");
   }
@@ -85,7 +86,7 @@ struct GraphReader {
   static std::map<FactorId, Factor> factors_from(const Json& json) {
     std::map<FactorId, Factor> out;
     for (const Json& f : json) {
-      const FactorId id{f.at("id").get<std::int64_t>()};
+      const FactorId id{integer_from(f.at("id"))};
       const Factor factor = factor_from(f);
       if (!id.valid() || !valid(factor)) throw std::runtime_error("invalid factor " + std::to_string(id.value));
       if (!out.emplace(id, factor).second) throw std::runtime_error("factor " + std::to_string(id.value) + " is given twice");
@@ -111,11 +112,11 @@ struct GraphReader {
 
   static std::pair<PlaneId, MergeRecord> merge_from(const Json& m) {
     MergeRecord record;
-    record.kept = {m.at("kept").get<std::int64_t>()};
+    record.kept = {integer_from(m.at("kept"))};
     record.plane = plane_from(m.at("plane"));
-    for (const Json& id : m.at("repointed")) record.repointed.insert({id.get<std::int64_t>()});
+    for (const Json& id : m.at("repointed")) record.repointed.insert({integer_from(id)});
     record.dropped = factors_from(m.at("dropped"));
-    return {{m.at("merged").get<std::int64_t>()}, std::move(record)};
+    return {{integer_from(m.at("merged"))}, std::move(record)};
   }
 
   void read_merges(const Json& json) {
@@ -134,11 +135,14 @@ struct GraphReader {
 
   template <class Key, class Value>
   static std::int64_t beyond(const std::map<Key, Value>& map) {
-    return map.empty() ? 0 : map.rbegin()->first.value + 1;
+    if (map.empty()) return 0;
+    const std::int64_t last = map.rbegin()->first.value;
+    if (last == std::numeric_limits<std::int64_t>::max()) throw std::runtime_error("no id is left after " + std::to_string(last));
+    return last + 1;
   }
 
   void read_counters(const Json& json) {
-    const auto counter = [&json](const char* name) { return json.value(name, std::int64_t{0}); };
+    const auto counter = [&json](const char* name) { return json.contains(name) ? integer_from(json.at(name)) : std::int64_t{0}; };
     set_counters({counter("plane"), counter("room"), counter("corridor"), counter("factor")});
   }
 
@@ -215,7 +219,7 @@ std::string to_json(const Graph& graph) {
 Graph graph_from_json(const std::string& text) {
   try {
     const Json json = Json::parse(text);
-    if (json.at("format").get<int>() != format) throw std::runtime_error("format " + json.at("format").dump() + " isn't known");
+    if (integer_from(json.at("format")) != format) throw std::runtime_error("format " + json.at("format").dump() + " isn't known");
     GraphReader reader;
     reader.read_variables(json);
     reader.read_factors(json.at("factors"));
@@ -234,7 +238,7 @@ std::string merge_to_json(PlaneId merged, const MergeRecord& record) { return me
 std::pair<FactorId, Factor> factor_from_json(const std::string& text) {
   try {
     const Json json = Json::parse(text);
-    return {{json.at("id").get<std::int64_t>()}, factor_from(json)};
+    return {{integer_from(json.at("id"))}, factor_from(json)};
   } catch (const std::exception& error) {
     throw std::runtime_error(std::string("graph: ") + error.what());
   }

@@ -3,6 +3,8 @@
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 
+#include "sgraph_slam/core/util/json_integer.hpp"
+
 namespace sgraph {
 namespace {
 
@@ -92,7 +94,7 @@ Pose pose_from(const Json& json) {
 template <class IdType>
 std::vector<IdType> ids_from(const Json& json) {
   std::vector<IdType> ids;
-  for (const Json& id : json) ids.push_back({id.get<std::int64_t>()});
+  for (const Json& id : json) ids.push_back({integer_from(id)});
   return ids;
 }
 
@@ -105,19 +107,19 @@ PlaneClass class_from(const std::string& word) {
 
 SceneKeyframe keyframe_from(const Json& json) {
   SceneKeyframe keyframe;
-  keyframe.id = {json.at("id").get<std::int64_t>()};
-  keyframe.stamp = {json.at("nanoseconds").get<std::int64_t>()};
+  keyframe.id = {integer_from(json.at("id"))};
+  keyframe.stamp = {integer_from(json.at("nanoseconds"))};
   keyframe.T_map_base = pose_from(json.at("pose"));
   keyframe.T_odom_base = pose_from(json.at("odom_pose"));
   Trajectory scans;
-  for (const Json& scan : json.at("scans")) scans.push_back({{scan.at("nanoseconds").get<std::int64_t>()}, pose_from(scan.at("pose"))});
+  for (const Json& scan : json.at("scans")) scans.push_back({{integer_from(scan.at("nanoseconds"))}, pose_from(scan.at("pose"))});
   keyframe.scans = std::move(scans);
   return keyframe;
 }
 
 ScenePlane plane_from(const Json& json) {
   ScenePlane plane;
-  plane.id = {json.at("id").get<std::int64_t>()};
+  plane.id = {integer_from(json.at("id"))};
   plane.plane_class = class_from(json.at("class").get<std::string>());
   plane.plane = {vector_from<3>(json.at("normal")), json.at("d").get<double>()};
   plane.covariance = Eigen::Map<const Eigen::Matrix3d>(vector_from<9>(json.at("covariance")).eval().data());
@@ -127,7 +129,7 @@ ScenePlane plane_from(const Json& json) {
 }
 
 SceneRoom room_from(const Json& json) {
-  return {{json.at("id").get<std::int64_t>()},
+  return {{integer_from(json.at("id"))},
           vector_from<3>(json.at("center")),
           vector_from<2>(json.at("width")),
           json.at("yaw").get<double>(),
@@ -135,15 +137,15 @@ SceneRoom room_from(const Json& json) {
 }
 
 SceneCorridor corridor_from(const Json& json) {
-  return {{json.at("id").get<std::int64_t>()}, vector_from<3>(json.at("center")), vector_from<1>(json.at("width"))[0],
-          json.at("yaw").get<double>(),        json.at("length").get<double>(),   ids_from<PlaneId>(json.at("planes"))};
+  return {{integer_from(json.at("id"))}, vector_from<3>(json.at("center")), vector_from<1>(json.at("width"))[0],
+          json.at("yaw").get<double>(),  json.at("length").get<double>(),   ids_from<PlaneId>(json.at("planes"))};
 }
 
 GraphSnapshot snapshot_from(const Json& json) {
-  if (json.at("format").get<int>() != format)
+  if (integer_from(json.at("format")) != format)
     throw std::runtime_error("format " + json.at("format").dump() + "; this program reads " + std::to_string(format));
   GraphSnapshot snapshot;
-  snapshot.version = json.at("version").get<std::int64_t>();
+  snapshot.version = integer_from(json.at("version"));
   snapshot.frame = json.at("frame").get<std::string>();
   snapshot.T_map_odom = pose_from(json.at("T_map_odom"));
   snapshot.dominant_yaw = json.at("dominant_yaw").get<double>();

@@ -149,6 +149,13 @@ TEST(GraphJson, DamageIsAnErrorThatNamesIt) {
     EXPECT_THAT(error_of(less.dump()), HasSubstr(key));
   }
   json other = graph;
+  for (const json& id : {json(1.5), json(1e300), json(18446744073709551615U), json("1")}) {
+    other["keyframes"][0]["id"] = id;
+    EXPECT_THAT(error_of(other.dump()), HasSubstr("an integer is wanted")) << id;
+  }
+  other = graph;
+  other["format"] = 3.17e14;
+  EXPECT_THAT(error_of(other.dump()), HasSubstr("an integer is wanted"));
   other["format"] = 2;
   EXPECT_THAT(error_of(other.dump()), HasSubstr("format 2"));
   other = graph;
