@@ -1,6 +1,7 @@
 #include "sgraph_slam/core/graph/serialization.hpp"
 
 #include <algorithm>
+#include <limits>
 #include <stdexcept>
 
 #include "json_values.hpp"

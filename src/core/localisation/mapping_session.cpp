@@ -65,7 +65,7 @@ GraphSnapshotPtr MappingSession::process(const Keyframe& keyframe, const PlaneSe
   return tracker_ ? track(seen) : back_end_->process(keyframe, segments);
 }
 
-void MappingSession::place(Localisation found) {  // a copy: its owner goes
+void MappingSession::place(Localisation found) {
   found_ = found;
   placed_ = true;
   localiser_.reset();

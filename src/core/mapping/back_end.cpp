@@ -53,7 +53,15 @@ class BackEnd::Implementation {
   }
 
   GraphSnapshotPtr process(const Keyframe& given, const PlaneSegments& segments) {
-    const Keyframe keyframe = of_map(given);
+    if (state_.session.first == 0) return map(given, segments);
+    std::optional<Keyframe> keyframe;
+    const std::string failure = failure_of([&] { keyframe = of_map(given); });
+    if (keyframe) return map(*keyframe, segments);
+    report(given.id, failure, "left out");
+    return snapshot_;
+  }
+
+  GraphSnapshotPtr map(const Keyframe& keyframe, const PlaneSegments& segments) {
     std::optional<Input> input;
     std::string failure = failure_of([&] {
       input = Input{without_cloud(keyframe), kept(keyframe), segments, true};
@@ -102,15 +110,16 @@ class BackEnd::Implementation {
     bool planes;  // false: the motion alone
   };
 
-  GraphSnapshotPtr shown(const Keyframe* added) const {
-    if (observer_ != nullptr) observer_->changed({state_.graph, state_.planes.map, state_.log, *snapshot_, added});
+  GraphSnapshotPtr shown(const Keyframe* added) {
+    if (observer_ == nullptr) return snapshot_;
+    const std::string failure = failure_of([&] { observer_->changed({state_.graph, state_.planes.map, state_.log, *snapshot_, added}); });
+    if (!failure.empty()) failures_.push_back("the map was not shown: " + failure);
     return snapshot_;
   }
 
   // The session's keyframe as one of the whole map.
   [[nodiscard]] Keyframe of_map(Keyframe keyframe) const {
     const Session& session = state_.session;
-    if (session.first == 0) return keyframe;
     if (state_.keyframes.rbegin()->first.value < session.first) {  // it joins the session before by where it was found, not by odometry
       keyframe.covariance = session.covariance;
       keyframe.degenerate.clear();

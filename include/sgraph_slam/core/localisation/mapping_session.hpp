@@ -60,7 +60,7 @@ class MappingSession {
   void search_again(const std::optional<Pose>& near);
 
  private:
-  void place(Localisation found);
+  void place(Localisation found);  // a copy: the search that gave it ends
   GraphSnapshotPtr track(const LocatedKeyframe& seen);
 
   MappingParams params_;
