@@ -1,0 +1,86 @@
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "sgraph_slam/core/places/find_places_params.hpp"
+#include "sgraph_slam/core/types/cloud.hpp"
+#include "sgraph_slam/core/types/ids.hpp"
+#include "sgraph_slam/core/types/pose.hpp"
+
+namespace sgraph {
+
+/// How many keyframes looked through a cell of the ground, by the height of their rays above the floor, and how many saw a surface in it.
+struct FreeCell {
+  std::uint16_t low = 0;   ///< rays below a window's sill: only doors and open floor let these through
+  std::uint16_t mid = 0;   ///< rays above it, up to what furniture rarely reaches
+  std::uint16_t high = 0;  ///< rays up to head height
+  std::uint16_t hits = 0;  ///< surfaces between ankle and head height
+
+  [[nodiscard]] bool seen_through() const { return low > 0 || mid > 0 || high > 0; }
+  [[nodiscard]] bool free() const { return static_cast<int>(low) + mid + high > hits; }
+};
+
+/// The free space of a storey: a raster of its floor on which every keyframe has marked what its rays passed. Each keyframe keeps a thinned subset of
+/// its rays in its own frame, so that its marks can be taken back and set again when its pose moves. One thread.
+class FreeSpace {
+ public:
+  explicit FreeSpace(const FreeSpaceParams& params) : params_(params) {}
+
+  /// Keeps rays of a keyframe's cloud (LiDAR frame, seen from its viewpoints). A keyframe is taken once.
+  void add(KeyframeId id, const Cloud& cloud, const Pose& T_base_lidar);
+
+  /// Marks the rays of keyframes not marked yet, and again those of keyframes that have moved by more than half a cell since. `T_map_base`: poses;
+  /// keyframes without one are unmarked. `floor_z`: height of the floor in the map [m].
+  void update(const std::map<KeyframeId, Pose>& T_map_base, double floor_z);
+
+  [[nodiscard]] double resolution() const { return params_.resolution; }
+  /// Lower left corner of the first cell, map frame.
+  [[nodiscard]] const Eigen::Vector2d& origin() const { return origin_; }
+  [[nodiscard]] int width() const { return width_; }
+  [[nodiscard]] int height() const { return height_; }
+  /// Row by row, row 0 at the lowest y.
+  [[nodiscard]] const std::vector<FreeCell>& cells() const { return cells_; }
+  /// Ends of the rays of keyframes no further than the given distance [m] from a position, as their marks are now; map frame.
+  [[nodiscard]] std::vector<Eigen::Vector3d> ends_near(const Eigen::Vector2d& p, double keyframes_within, double ends_within) const;
+  [[nodiscard]] double floor_z() const { return floor_z_; }
+  /// The cell that holds a point of the map; an empty one outside the raster.
+  [[nodiscard]] const FreeCell& at(const Eigen::Vector2d& p) const;
+
+ private:
+  // End of a ray in the keyframe's base frame, and from which of its viewpoints.
+  struct Ray {
+    std::int16_t x, y, z;  // [end_unit]
+    std::uint16_t viewpoint;
+  };
+  struct Rays {
+    std::vector<Eigen::Vector3f> viewpoints;  // base frame
+    std::vector<Ray> rays;
+  };
+  struct Mark {
+    Pose T_map_base;
+    double floor_z = 0;
+  };
+
+  void mark(const Rays& rays, const Mark& at, int sign);
+  void trace(const Eigen::Vector3d& from, const Eigen::Vector3d& to, double floor_z);
+  void make_room(const Eigen::Vector2d& low, const Eigen::Vector2d& high);
+
+  FreeSpaceParams params_;
+  std::map<KeyframeId, std::shared_ptr<const Rays>> rays_;  // shared by copies
+  std::map<KeyframeId, Mark> marks_;
+  Eigen::Vector2i first_ = Eigen::Vector2i::Zero();  // cell at the raster's lower left, counted from the map's origin
+  Eigen::Vector2d origin_ = Eigen::Vector2d::Zero();
+  int width_ = 0;
+  int height_ = 0;
+  double floor_z_ = 0;
+  std::vector<FreeCell> cells_;
+  std::vector<std::uint8_t> touched_bits_;  // of the keyframe being marked, by cell
+  std::vector<std::size_t> touched_;
+};
+
+}  // namespace sgraph

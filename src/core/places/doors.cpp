@@ -1,0 +1,114 @@
+#include "doors.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+namespace sgraph {
+namespace {
+
+constexpr double before_face = 0.15;  // a place has this point before its face inside [m]
+constexpr double deepest = 0.9;       // the place behind a wall begins no further behind its face [m]
+constexpr double same_door = 0.6;     // gaps of the two faces of a wall [m]
+constexpr double raster_loss = 0.1;   // both jambs' cells count as wall: the raster shows a door narrower by this, for cells of 5 cm [m]
+constexpr double jamb_search = 0.2;   // around the raster's jamb [m]
+constexpr double from_faces = 0.03;   // what is nearer to a face of the wall is the face, not the jamb [m]
+constexpr std::size_t least_points = 6;
+constexpr double lowest_lintel = 1.85;
+constexpr double highest_lintel = 3.5;
+
+// The places that hold a point, as a set of bits would be too small.
+std::vector<std::size_t> places_at(const std::vector<FoundPlace>& places, const Eigen::Vector2d& p) {
+  std::vector<std::size_t> found;
+  for (std::size_t i = 0; i < places.size(); ++i) {
+    if (contains(places[i].outline.polygon, p)) found.push_back(i);
+  }
+  return found;
+}
+
+struct Behind {
+  std::vector<std::size_t> places;
+  double depth = 0;  // of the wall, about
+};
+
+Behind behind(const std::vector<FoundPlace>& places, const WallLine& line, double along) {
+  for (double depth = 0.05; depth <= deepest; depth += 0.05) {
+    std::vector<std::size_t> found = places_at(places, line.at(along) - (depth + 0.05) * line.normal);
+    if (!found.empty()) return {std::move(found), depth};
+  }
+  return {};
+}
+
+double median(std::vector<double> values) {
+  std::nth_element(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2), values.end());
+  return values[values.size() / 2];
+}
+
+}  // namespace
+
+std::vector<FoundDoor> find_doors(const std::vector<WallLine>& lines, const std::vector<FoundPlace>& places, const PlaceParams& params) {
+  std::vector<FoundDoor> doors;
+  for (const WallLine& line : lines) {
+    if (line.faces.empty()) continue;  // where a corridor ends, not a wall
+    for (const Gap& gap : line.gaps) {
+      if (!gap.low_jamb || !gap.high_jamb || gap.along.length() > params.widest_door) continue;
+      const double middle = gap.along.center();
+      const std::vector<std::size_t> front = places_at(places, line.at(middle) + before_face * line.normal);
+      const Behind back = behind(places, line, middle);
+      if (front.empty() || back.places.empty()) continue;
+      const bool within_one =
+          std::any_of(front.begin(), front.end(), [&](std::size_t i) { return std::count(back.places.begin(), back.places.end(), i) > 0; });
+      if (within_one) continue;
+      FoundDoor door;
+      const bool forth = front.front() < back.places.front();
+      door.places = {std::min(front.front(), back.places.front()), std::max(front.front(), back.places.front())};
+      const Eigen::Vector2d way = forth ? (-line.normal).eval() : line.normal;
+      door.yaw = std::atan2(way.y(), way.x());
+      door.position = line.at(middle) - 0.5 * back.depth * line.normal;
+      door.width = gap.along.length() + raster_loss;
+      door.depth = back.depth;
+      const auto known = std::find_if(doors.begin(), doors.end(), [&](const FoundDoor& other) {
+        return other.places == door.places && (other.position - door.position).norm() < same_door;
+      });
+      if (known == doors.end()) {
+        doors.push_back(door);
+      } else {
+        known->position = 0.5 * (known->position + door.position);
+        known->width = 0.5 * (known->width + door.width);
+      }
+    }
+  }
+  return doors;
+}
+
+void measure_door(const FreeSpace& space, FoundDoor& door) {
+  const Eigen::Vector2d way(std::cos(door.yaw), std::sin(door.yaw));
+  const Eigen::Vector2d along(-way.y(), way.x());
+  std::vector<double> low;
+  std::vector<double> high;
+  std::vector<double> lintel;
+  const double half = 0.5 * door.width;
+  const double deep = std::max(0.5 * door.depth - from_faces, 0.02);
+  for (const Eigen::Vector3d& end : space.ends_near(door.position, 6, half + 0.5)) {
+    const double z = end.z() - space.floor_z();
+    const double s = along.dot(end.head<2>() - door.position);
+    const double t = way.dot(end.head<2>() - door.position);
+    if (z > 0.1 && z < lowest_lintel && std::abs(t) < deep) {
+      if (std::abs(s + half) < jamb_search) low.push_back(s);
+      if (std::abs(s - half) < jamb_search) high.push_back(s);
+    }
+    if (z > lowest_lintel && z < highest_lintel && std::abs(t) < 0.5 * door.depth + from_faces && std::abs(s) < half - 0.1) lintel.push_back(z);
+  }
+  if (low.size() >= least_points && high.size() >= least_points) {
+    const double a = median(low);
+    const double b = median(high);
+    door.position += 0.5 * (a + b) * along;
+    door.width = b - a;
+  }
+  if (lintel.size() >= least_points) {
+    std::sort(lintel.begin(), lintel.end());
+    door.height = lintel[lintel.size() / 20];
+  }
+}
+
+}  // namespace sgraph

@@ -1,0 +1,425 @@
+#include "sgraph_slam/core/places/find_places.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include <Eigen/Geometry>
+
+#include "doors.hpp"
+#include "sgraph_slam/core/places/dominant_wall.hpp"
+
+namespace sgraph {
+namespace {
+
+constexpr double square = 0.1745;      // sides off the right angle by up to this make a rectangle [rad]
+constexpr double one_line = 0.12;      // sides no further apart are of one line [m]
+constexpr double inside_share = 0.97;  // of a corridor piece within the outline
+constexpr double sample = 0.1;         // [m]
+
+Eigen::Vector2d left_of(const Eigen::Vector2d& v) { return {-v.y(), v.x()}; }
+double yaw_of(const Eigen::Vector2d& v) { return std::atan2(v.y(), v.x()); }
+
+struct SideLine {
+  Eigen::Vector2d from;
+  Eigen::Vector2d to;
+  Eigen::Vector2d direction;  // counter-clockwise: the place is to its left
+  double length = 0;
+};
+
+std::vector<SideLine> sides_of(const Polygon2d& polygon) {
+  std::vector<SideLine> sides;
+  for (std::size_t i = 0; i < polygon.size(); ++i) {
+    SideLine side{polygon[i], polygon[(i + 1) % polygon.size()], Eigen::Vector2d::UnitX(), 0};
+    side.length = (side.to - side.from).norm();
+    if (side.length > 1e-9) side.direction = (side.to - side.from) / side.length;
+    sides.push_back(side);
+  }
+  return sides;
+}
+
+const Wall* find_wall(const std::vector<Wall>& walls, PlaneId id) {
+  const auto found = std::find_if(walls.begin(), walls.end(), [&](const Wall& wall) { return wall.id == id; });
+  return found == walls.end() ? nullptr : &*found;
+}
+
+// Four sides, each on a face, at right angles within the tolerance.
+bool is_rectangle(const PlaceOutline& outline) {
+  if (outline.polygon.size() != 4) return false;
+  const std::vector<SideLine> sides = sides_of(outline.polygon);
+  for (std::size_t i = 0; i < 4; ++i) {
+    if (!outline.sides[i].plane.valid()) return false;
+    if (std::abs(sides[i].direction.dot(sides[(i + 1) % 4].direction)) > std::sin(square)) return false;
+  }
+  return true;
+}
+
+// Distance between two facing walls midway, and the position of that middle across.
+struct Across {
+  double width;
+  double middle;  // along `axis`
+};
+
+Across between(const Wall& low, const Wall& high, const Eigen::Vector2d& axis, const Eigen::Vector2d& near) {
+  const auto crossing = [&](const Wall& wall) { return axis.dot(near) - wall.distance(near) / wall.normal.dot(axis); };
+  const double a = crossing(low);
+  const double b = crossing(high);
+  return {b - a, 0.5 * (a + b)};
+}
+
+// Side i of the outline looks along +x of a frame turned so that side 0 runs along its x: sides are -y, +x, +y, -x.
+FoundPlace rectangle_place(const PlaceOutline& outline, const std::vector<Wall>& walls, double reference_yaw, const PlaceParams& params) {
+  FoundPlace place;
+  place.outline = outline;
+  const std::vector<SideLine> sides = sides_of(outline.polygon);
+  // The heading is that of the longer pair, whose direction is known best.
+  const std::size_t first = sides[0].length + sides[2].length >= sides[1].length + sides[3].length ? 0 : 1;
+  const Eigen::Vector2d x = (sides[first].direction - sides[(first + 2) % 4].direction).normalized();
+  const Eigen::Vector2d y = left_of(x);
+  const Eigen::Vector2d middle = centroid(outline.polygon);
+  const std::array<PlaneId, 4> faces{outline.sides[(first + 3) % 4].plane, outline.sides[(first + 1) % 4].plane, outline.sides[first].plane,
+                                     outline.sides[(first + 2) % 4].plane};  // -x, +x, -y, +y
+  std::array<const Wall*, 4> w{};
+  for (std::size_t i = 0; i < 4; ++i) w[i] = find_wall(walls, faces[i]);
+  const Across along_x = between(*w[0], *w[1], x, middle);
+  const Across along_y = between(*w[2], *w[3], y, middle);
+  place.area.center = along_x.middle * x + along_y.middle * y;
+  place.area.size = {along_x.width, along_y.width};
+  place.area.yaw = yaw_of(x);
+  place.walls = faces;
+  if (along_y.width <= params.corridor_width && along_x.width >= params.corridor_aspect * along_y.width) {
+    place.kind = PlaceKind::corridor;
+    place.walls = {faces[2], faces[3], {}, {}};
+    const double turned = std::remainder(place.area.yaw - reference_yaw - M_PI / 4, 2 * M_PI);  // in (-90, 90] for headings within (-45, 135]
+    if (turned <= -M_PI / 2 || turned > M_PI / 2) {
+      std::swap(place.walls[0], place.walls[1]);
+      place.area.yaw = std::remainder(place.area.yaw + M_PI, 2 * M_PI);
+    }
+    return place;
+  }
+  place.kind = PlaceKind::room;
+  const int turns = static_cast<int>(std::lround(std::remainder(reference_yaw - place.area.yaw, 2 * M_PI) / (M_PI / 2)));
+  constexpr std::array<Side, 4> around{high_x, high_y, low_x, low_y};
+  for (int i = 0; i < 4; ++i) place.walls[around[static_cast<std::size_t>(i)]] = faces[around[static_cast<std::size_t>(((i + turns) % 4 + 4) % 4)]];
+  if (turns % 2 != 0) std::swap(place.area.size.x(), place.area.size.y());
+  place.area.yaw = std::remainder(place.area.yaw + turns * M_PI / 2, 2 * M_PI);
+  return place;
+}
+
+OrientedRectangle rectangle_around(const Polygon2d& polygon) {
+  const std::vector<SideLine> sides = sides_of(polygon);
+  const auto longest = std::max_element(sides.begin(), sides.end(), [](const SideLine& a, const SideLine& b) { return a.length < b.length; });
+  const Eigen::Vector2d x = longest->direction;
+  const Eigen::Vector2d y = left_of(x);
+  Eigen::AlignedBox2d box;
+  for (const Eigen::Vector2d& p : polygon) box.extend(Eigen::Vector2d(x.dot(p), y.dot(p)));
+  return {box.center().x() * x + box.center().y() * y, box.sizes(), yaw_of(x)};
+}
+
+// The longest side that looks from each side of the rectangle into the hall.
+std::array<PlaneId, 4> outermost_walls(const PlaceOutline& outline, const OrientedRectangle& area) {
+  const Eigen::Vector2d x(std::cos(area.yaw), std::sin(area.yaw));
+  const std::array<Eigen::Vector2d, 4> inwards{x, -x, left_of(x), -left_of(x)};
+  std::array<PlaneId, 4> walls;
+  const std::vector<SideLine> sides = sides_of(outline.polygon);
+  for (std::size_t i = 0; i < 4; ++i) {
+    double most = 0;
+    for (std::size_t k = 0; k < sides.size(); ++k) {
+      const double facing = left_of(sides[k].direction).dot(inwards[i]);
+      if (!outline.sides[k].plane.valid() || facing < 0.9 || facing * sides[k].length <= most) continue;
+      most = facing * sides[k].length;
+      walls[i] = outline.sides[k].plane;
+    }
+  }
+  return walls;
+}
+
+// A straight piece of a corridor in an outline: between two facing sides.
+struct Piece {
+  Eigen::Vector2d axis;               // along it
+  Interval along;                     // with what it reaches into at its ends
+  Interval across;                    // to the left of the axis: from the right side to the left one
+  std::array<std::size_t, 2> side{};  // of the outline: right and left
+  std::array<bool, 2> open{};         // low and high end
+
+  [[nodiscard]] double length() const { return along.length(); }
+  [[nodiscard]] double width() const { return across.length(); }
+  [[nodiscard]] Eigen::Vector2d at(double s, double t) const { return s * axis + t * left_of(axis); }
+};
+
+// Where a side and those in line with it run, along an axis.
+Intervals run_of(const PlaceOutline& outline, const std::vector<SideLine>& sides, std::size_t index, const Eigen::Vector2d& axis, double max_gap) {
+  Intervals parts;
+  const Eigen::Vector2d inwards = left_of(sides[index].direction);
+  for (std::size_t k = 0; k < sides.size(); ++k) {
+    if (sides[k].direction.dot(sides[index].direction) < std::cos(0.1) || !outline.sides[k].plane.valid()) continue;
+    const Eigen::Vector2d middle = 0.5 * (sides[k].from + sides[k].to);
+    if (std::abs(inwards.dot(middle - sides[index].from)) > one_line) continue;
+    const double a = axis.dot(sides[k].from);
+    const double b = axis.dot(sides[k].to);
+    parts.push_back({std::min(a, b), std::max(a, b)});
+  }
+  return unite(std::move(parts), max_gap);
+}
+
+bool section_inside(const PlaceOutline& outline, const Piece& piece, double s) {
+  for (const double share : {0.1, 0.3, 0.5, 0.7, 0.9}) {
+    if (!contains(outline.polygon, piece.at(s, piece.across.low + share * piece.across.length()))) return false;
+  }
+  return true;
+}
+
+bool runs_inside(const PlaceOutline& outline, const Piece& piece) {
+  int all = 0;
+  int inside = 0;
+  for (double s = piece.along.low + sample; s < piece.along.high - sample; s += sample) {
+    ++all;
+    inside += section_inside(outline, piece, s) ? 1 : 0;
+  }
+  return all > 0 && inside >= inside_share * all;
+}
+
+// Over a corner or a crossing the piece goes on to the wall ahead; into a hall it does not.
+void reach_ends(const PlaceOutline& outline, Piece& piece, double most) {
+  for (const bool high : {false, true}) {
+    const double end = high ? piece.along.high : piece.along.low;
+    double way = 0;
+    while (way <= most + sample && section_inside(outline, piece, high ? end + way + 0.5 * sample : end - way - 0.5 * sample)) way += sample;
+    double& reached = high ? piece.along.high : piece.along.low;
+    if (way > most) {
+      piece.open[high] = true;
+      continue;
+    }
+    // To the side of the outline that closes it, exactly.
+    const Eigen::Vector2d middle = piece.at(0, piece.across.center());
+    double exact = high ? end + way : end - way;
+    double least = 2.5 * sample;
+    const std::vector<SideLine> sides = sides_of(outline.polygon);
+    for (const SideLine& side : sides) {
+      if (std::abs(side.direction.dot(piece.axis)) > std::sin(square)) continue;
+      const Eigen::Vector2d across = left_of(piece.axis);
+      const double a = across.dot(side.from);
+      const double b = across.dot(side.to);
+      if (overlap({std::min(a, b), std::max(a, b)}, piece.across) < 0.5 * piece.width()) continue;
+      const Eigen::Vector2d n = left_of(side.direction);
+      const double crossing = n.dot(side.from - middle) / n.dot(piece.axis);
+      if (std::abs(crossing - (high ? end + way : end - way)) > least) continue;
+      least = std::abs(crossing - (high ? end + way : end - way));
+      exact = crossing;
+    }
+    reached = exact;
+  }
+}
+
+std::vector<Piece> corridor_pieces(const PlaceOutline& outline, const PlaceParams& params) {
+  const std::vector<SideLine> sides = sides_of(outline.polygon);
+  std::vector<Piece> found;
+  for (std::size_t i = 0; i < sides.size(); ++i) {
+    for (std::size_t k = 0; k < sides.size(); ++k) {
+      if (i == k || !outline.sides[i].plane.valid() || !outline.sides[k].plane.valid()) continue;
+      if (sides[i].direction.dot(sides[k].direction) > -std::cos(square)) continue;
+      Piece piece;
+      piece.axis = (sides[i].direction - sides[k].direction).normalized();
+      if (yaw_of(piece.axis) > M_PI / 2 || yaw_of(piece.axis) <= -M_PI / 2) continue;  // the other order gives the other direction
+      const Eigen::Vector2d across = left_of(piece.axis);
+      piece.side = {i, k};
+      const Intervals right = run_of(outline, sides, i, piece.axis, params.max_corridor_gap);
+      const Intervals left = run_of(outline, sides, k, piece.axis, params.max_corridor_gap);
+      for (const Interval& a : right) {
+        for (const Interval& b : left) {
+          piece.along = {std::max(a.low, b.low), std::min(a.high, b.high)};
+          if (piece.along.length() < params.min_corridor) continue;
+          const auto position = [&](const SideLine& side) {
+            const double s = piece.along.center();
+            const double t = (s - piece.axis.dot(side.from)) / piece.axis.dot(side.direction);
+            return across.dot(side.from + t * side.direction);
+          };
+          piece.across = {position(sides[i]), position(sides[k])};
+          if (piece.width() < params.min_corridor_width || piece.width() > params.corridor_width) continue;
+          if (piece.length() < 2 * piece.width() || !runs_inside(outline, piece)) continue;
+          Piece reached = piece;
+          reached.open = {};
+          reach_ends(outline, reached, params.corridor_width);
+          if (reached.length() >= params.corridor_aspect * reached.width()) found.push_back(reached);
+        }
+      }
+    }
+  }
+  std::stable_sort(found.begin(), found.end(), [](const Piece& a, const Piece& b) { return a.length() > b.length() + 1e-6; });
+  // Sides in line give the same piece again.
+  std::vector<Piece> distinct;
+  for (const Piece& piece : found) {
+    const OrientedRectangle own{piece.at(piece.along.center(), piece.across.center()), {piece.length(), piece.width()}, yaw_of(piece.axis)};
+    const bool known = std::any_of(distinct.begin(), distinct.end(), [&](const Piece& other) {
+      const OrientedRectangle area{other.at(other.along.center(), other.across.center()), {other.length(), other.width()}, yaw_of(other.axis)};
+      return shared_area(own, area) > 0.5 * own.area();
+    });
+    if (!known) distinct.push_back(piece);
+  }
+  return distinct;
+}
+
+// Of the faces along one side of a piece the one that shows most of it.
+const Wall* face_along(const std::vector<Wall>& walls, const Piece& piece, bool left) {
+  const Eigen::Vector2d inwards = left ? (-left_of(piece.axis)).eval() : left_of(piece.axis);
+  const double at = left ? piece.across.high : piece.across.low;
+  const Eigen::Vector2d middle = piece.at(piece.along.center(), at);
+  const auto weight = [&](const Wall& wall) {
+    const double a = wall.direction().dot(piece.at(piece.along.low, at));
+    const double b = wall.direction().dot(piece.at(piece.along.high, at));
+    return total_length(clip(wall.support, {std::min(a, b), std::max(a, b)})) * trust(wall);
+  };
+  const Wall* best = nullptr;
+  for (const Wall& wall : walls) {
+    if (wall.normal.dot(inwards) < std::cos(0.1) || std::abs(wall.distance(middle)) > one_line) continue;
+    if (best == nullptr || weight(wall) > weight(*best)) best = &wall;
+  }
+  return best != nullptr && weight(*best) > 0 ? best : nullptr;
+}
+
+std::optional<FoundPlace> corridor_place(const Piece& piece, const PlaceOutline& outline, const std::vector<Wall>& walls, double reference_yaw) {
+  const Wall* right = face_along(walls, piece, false);
+  const Wall* left = face_along(walls, piece, true);
+  if (right == nullptr || left == nullptr) return std::nullopt;
+  FoundPlace place;
+  place.kind = PlaceKind::corridor;
+  const Eigen::Vector2d axis = piece.axis;
+  const Across across = between(*right, *left, left_of(axis), piece.at(piece.along.center(), piece.across.center()));
+  place.area.center = piece.along.center() * axis + across.middle * left_of(axis);
+  place.area.size = {piece.length(), across.width};
+  place.area.yaw = yaw_of(axis);
+  place.walls = {right->id, left->id, {}, {}};
+  const Interval sides{across.middle - 0.5 * across.width, across.middle + 0.5 * across.width};
+  place.outline.polygon = {piece.at(piece.along.low, sides.low), piece.at(piece.along.high, sides.low), piece.at(piece.along.high, sides.high),
+                           piece.at(piece.along.low, sides.high)};
+  place.outline.sides.resize(4);
+  place.outline.sides[0] = outline.sides[piece.side[0]];
+  place.outline.sides[0].plane = right->id;
+  place.outline.sides[2] = outline.sides[piece.side[1]];
+  place.outline.sides[2].plane = left->id;
+  for (const bool high : {false, true}) {
+    PlaceSide& end = place.outline.sides[high ? 1 : 3];
+    if (piece.open[high]) {
+      end.opening = 1;
+      continue;
+    }
+    // The face of the outline that closes it.
+    const Eigen::Vector2d p = piece.at(high ? piece.along.high : piece.along.low, sides.center());
+    const std::vector<SideLine> all = sides_of(outline.polygon);
+    double least = 0.3;
+    for (std::size_t k = 0; k < all.size(); ++k) {
+      const double distance = std::abs(left_of(all[k].direction).dot(p - all[k].from));
+      const double along = all[k].direction.dot(p - all[k].from);
+      if (std::abs(all[k].direction.dot(axis)) > std::sin(square) || along < -0.5 || along > all[k].length + 0.5 || distance > least) continue;
+      least = distance;
+      end = outline.sides[k];
+    }
+  }
+  const double turned = std::remainder(place.area.yaw - reference_yaw - M_PI / 4, 2 * M_PI);
+  if (turned <= -M_PI / 2 || turned > M_PI / 2) {
+    std::swap(place.walls[0], place.walls[1]);
+    place.area.yaw = std::remainder(place.area.yaw + M_PI, 2 * M_PI);
+  }
+  return place;
+}
+
+// Lines where a piece of a corridor ends or is open to its side: places are cut there.
+void add_cuts(const Piece& piece, std::vector<WallLine>& lines) {
+  const auto cut = [&](const Eigen::Vector2d& from, const Eigen::Vector2d& to) {
+    WallLine line;
+    const Eigen::Vector2d u = (to - from).normalized();
+    line.normal = left_of(u);
+    line.offset = -line.normal.dot(from);
+    Gap gap;
+    const double a = line.direction().dot(from);
+    const double b = line.direction().dot(to);
+    gap.along = {std::min(a, b), std::max(a, b)};
+    gap.low_jamb = gap.high_jamb = gap.cut = true;
+    line.gaps.push_back(gap);
+    lines.push_back(std::move(line));
+  };
+  cut(piece.at(piece.along.low, piece.across.low), piece.at(piece.along.high, piece.across.low));
+  cut(piece.at(piece.along.high, piece.across.high), piece.at(piece.along.low, piece.across.high));
+  if (piece.open[1]) cut(piece.at(piece.along.high, piece.across.low), piece.at(piece.along.high, piece.across.high));
+  if (piece.open[0]) cut(piece.at(piece.along.low, piece.across.high), piece.at(piece.along.low, piece.across.low));
+}
+
+// Share of a region's cells that lie in one of the rectangles.
+double share_in(const FreeSpace& space, const Regions& regions, int region, const std::vector<FoundPlace>& places) {
+  double all = 0;
+  double inside = 0;
+  const CellWindow& extent = regions.extent[static_cast<std::size_t>(region)];
+  for (int y = extent.y; y < extent.y + extent.height; y += 2) {
+    for (int x = extent.x; x < extent.x + extent.width; x += 2) {
+      if (regions.at(x, y) != region) continue;
+      const Eigen::Vector2d p = space.origin() + space.resolution() * Eigen::Vector2d(x + 0.5, y + 0.5);
+      ++all;
+      if (std::any_of(places.begin(), places.end(), [&](const FoundPlace& place) { return place.area.contains(p, -0.05); })) ++inside;
+    }
+  }
+  return all > 0 ? inside / all : 1;
+}
+
+void add_place(const PlaceOutline& outline, const std::vector<Wall>& walls, double reference_yaw, const PlaceParams& params,
+               std::vector<FoundPlace>& places) {
+  if (signed_area(outline.polygon) < params.min_area) return;
+  if (is_rectangle(outline)) {
+    places.push_back(rectangle_place(outline, walls, reference_yaw, params));
+    return;
+  }
+  FoundPlace place;
+  place.outline = outline;
+  place.area = rectangle_around(outline.polygon);
+  place.walls = outermost_walls(outline, place.area);
+  places.push_back(std::move(place));
+}
+
+}  // namespace
+
+FoundPlaces find_places(const FreeSpace& space, const std::vector<Wall>& walls, const std::vector<Eigen::Vector2d>& path, double reference_yaw,
+                        const PlaceParams& params) {
+  FoundPlaces found;
+  std::vector<WallLine> lines = find_wall_lines(walls, space, path, params);
+  const Regions regions = find_regions(space, lines, path, params);
+  std::vector<FoundPlace> corridors;
+  std::vector<int> composite;
+  for (int region = 0; region < regions.count; ++region) {
+    if (!regions.entered[static_cast<std::size_t>(region)]) continue;
+    const auto outline = find_outline(space, regions, region, lines, walls, params);
+    if (!outline) continue;
+    std::vector<Piece> pieces;
+    if (!is_rectangle(*outline)) pieces = corridor_pieces(*outline, params);
+    if (pieces.empty()) {
+      add_place(*outline, walls, reference_yaw, params, found.places);
+      continue;
+    }
+    composite.push_back(region);
+    for (const Piece& piece : pieces) {
+      auto corridor = corridor_place(piece, *outline, walls, reference_yaw);
+      if (!corridor) continue;
+      corridors.push_back(std::move(*corridor));
+      add_cuts(piece, lines);
+    }
+  }
+  if (!composite.empty()) {
+    // What the corridors leave of the regions that they are part of.
+    const Regions rest = find_regions(space, lines, path, params);
+    for (int region = 0; region < rest.count; ++region) {
+      if (!rest.entered[static_cast<std::size_t>(region)]) continue;
+      bool of_composite = false;
+      const CellWindow& extent = rest.extent[static_cast<std::size_t>(region)];
+      for (int y = extent.y; y < extent.y + extent.height && !of_composite; ++y) {
+        for (int x = extent.x; x < extent.x + extent.width && !of_composite; ++x)
+          of_composite = rest.at(x, y) == region && std::find(composite.begin(), composite.end(), regions.at(x, y)) != composite.end();
+      }
+      if (!of_composite || share_in(space, rest, region, corridors) > 0.5) continue;
+      const auto outline = find_outline(space, rest, region, lines, walls, params);
+      if (outline) add_place(*outline, walls, reference_yaw, params, found.places);
+    }
+    for (FoundPlace& corridor : corridors) found.places.push_back(std::move(corridor));
+  }
+  found.doors = find_doors(lines, found.places, params);
+  return found;
+}
+
+}  // namespace sgraph

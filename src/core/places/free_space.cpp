@@ -1,0 +1,200 @@
+#include "sgraph_slam/core/places/free_space.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "sgraph_slam/core/util/scattered_order.hpp"
+
+namespace sgraph {
+namespace {
+
+constexpr double end_unit = 0.005;  // of a ray's end [m]: a quarter of the range noise
+constexpr double growth = 10;       // the raster grows by whole steps of this [m]
+constexpr std::uint8_t low_bit = 1;
+constexpr std::uint8_t mid_bit = 2;
+constexpr std::uint8_t high_bit = 4;
+constexpr std::uint8_t hit_bit = 8;
+
+// Where the LiDAR was when a point was measured: between the viewpoints around its time.
+std::uint16_t viewpoint_of(const std::vector<Viewpoint>& viewpoints, double time) {
+  if (viewpoints.size() < 2) return 0;
+  const auto next = std::lower_bound(viewpoints.begin(), viewpoints.end(), time, [](const Viewpoint& v, double t) { return v.time < t; });
+  if (next == viewpoints.begin()) return 0;
+  if (next == viewpoints.end()) return static_cast<std::uint16_t>(viewpoints.size() - 1);
+  const auto before = next - 1;
+  return static_cast<std::uint16_t>((time - before->time < next->time - time ? before : next) - viewpoints.begin());
+}
+
+}  // namespace
+
+void FreeSpace::add(KeyframeId id, const Cloud& cloud, const Pose& T_base_lidar) {
+  if (cloud.empty() || rays_.count(id) > 0) return;
+  Rays kept;
+  for (const Viewpoint& viewpoint : cloud.viewpoints) kept.viewpoints.push_back((T_base_lidar * viewpoint.position).cast<float>());
+  if (kept.viewpoints.empty()) kept.viewpoints.push_back(T_base_lidar.translation.cast<float>());
+  const auto most = static_cast<std::size_t>(params_.rays);
+  kept.rays.reserve(std::min(most, cloud.size()));
+  const double reach = end_unit * std::numeric_limits<std::int16_t>::max();
+  visit_scattered(cloud.size(), [&](std::size_t i) {
+    if (kept.rays.size() >= most) return;
+    const Point& point = cloud.points[i];
+    const Eigen::Vector3d end = T_base_lidar * point.position().cast<double>();
+    if (!end.allFinite() || end.cwiseAbs().maxCoeff() >= reach) return;
+    const auto unit = [](double value) { return static_cast<std::int16_t>(std::lround(value / end_unit)); };
+    kept.rays.push_back({unit(end.x()), unit(end.y()), unit(end.z()), viewpoint_of(cloud.viewpoints, point.time)});
+  });
+  rays_[id] = std::make_shared<const Rays>(std::move(kept));
+}
+
+std::vector<Eigen::Vector3d> FreeSpace::ends_near(const Eigen::Vector2d& p, double keyframes_within, double ends_within) const {
+  std::vector<Eigen::Vector3d> ends;
+  for (const auto& [id, mark] : marks_) {
+    const Eigen::Vector3d& here = mark.T_map_base.translation;
+    if ((here.head<2>() - p).norm() > keyframes_within) continue;
+    const Eigen::Matrix3d R = mark.T_map_base.rotation.toRotationMatrix();
+    for (const Ray& ray : rays_.at(id)->rays) {
+      const Eigen::Vector3d end = R * (end_unit * Eigen::Vector3d(ray.x, ray.y, ray.z)) + here;
+      if ((end.head<2>() - p).squaredNorm() <= ends_within * ends_within) ends.push_back(end);
+    }
+  }
+  return ends;
+}
+
+const FreeCell& FreeSpace::at(const Eigen::Vector2d& p) const {
+  static const FreeCell none;
+  const Eigen::Vector2d cell = (p / params_.resolution).array().floor().matrix() - first_.cast<double>();
+  if (!(cell.x() >= 0 && cell.y() >= 0 && cell.x() < width_ && cell.y() < height_)) return none;
+  return cells_[static_cast<std::size_t>(cell.y()) * static_cast<std::size_t>(width_) + static_cast<std::size_t>(cell.x())];
+}
+
+void FreeSpace::make_room(const Eigen::Vector2d& low, const Eigen::Vector2d& high) {
+  const double block = growth / params_.resolution;
+  Eigen::Vector2i first = (static_cast<int>(block) * (low / growth).array().floor()).cast<int>();
+  Eigen::Vector2i last = (static_cast<int>(block) * (high / growth).array().ceil()).cast<int>();
+  if (width_ > 0) {
+    first = first.cwiseMin(first_);
+    last = last.cwiseMax(first_ + Eigen::Vector2i(width_, height_));
+  }
+  const Eigen::Vector2i size = last - first;
+  if (width_ > 0 && first == first_ && size == Eigen::Vector2i(width_, height_)) return;
+  std::vector<FreeCell> cells(static_cast<std::size_t>(size.x()) * static_cast<std::size_t>(size.y()));
+  for (int y = 0; y < height_; ++y) {
+    const auto from = cells_.begin() + static_cast<std::ptrdiff_t>(y) * width_;
+    std::copy(from, from + width_, cells.begin() + static_cast<std::ptrdiff_t>(y + first_.y() - first.y()) * size.x() + first_.x() - first.x());
+  }
+  cells_ = std::move(cells);
+  first_ = first;
+  origin_ = params_.resolution * first.cast<double>();
+  width_ = size.x();
+  height_ = size.y();
+  touched_bits_.assign(cells_.size(), 0);
+}
+
+void FreeSpace::trace(const Eigen::Vector3d& from, const Eigen::Vector3d& to, double floor_z) {
+  const double cell_size = params_.resolution;
+  const Eigen::Vector2d a = from.head<2>() / cell_size;  // on one lattice whatever the raster holds: marks are taken back exactly
+  const Eigen::Vector2d way = (to - from).head<2>() / cell_size;
+  const double length = way.norm() * cell_size;
+  if (length < cell_size) return;
+  // The part of the ray that counts: within reach, between ankle and head.
+  double leave = std::min(1.0, params_.reach / length);
+  double enter = 0;
+  const double low = floor_z + params_.ankle - from.z();
+  const double high = floor_z + params_.head - from.z();
+  const double rise = to.z() - from.z();
+  if (std::abs(rise) > 1e-9) {
+    enter = std::max(enter, std::min(low / rise, high / rise));
+    leave = std::min(leave, std::max(low / rise, high / rise));
+  } else if (low > 0 || high < 0) {
+    return;
+  }
+  if (enter >= leave) return;
+  const bool hit = leave >= 1;
+  Eigen::Vector2d position = a + enter * way;
+  Eigen::Vector2i cell = position.array().floor().cast<int>();
+  const Eigen::Vector2i end = (a + leave * way).array().floor().cast<int>();
+  const Eigen::Vector2i step(way.x() < 0 ? -1 : 1, way.y() < 0 ? -1 : 1);
+  Eigen::Vector2d next;   // parameter of the ray at the next column and row
+  Eigen::Vector2d delta;  // from one to the next
+  for (int k = 0; k < 2; ++k) {
+    const bool still = std::abs(way[k]) < 1e-9;
+    delta[k] = still ? std::numeric_limits<double>::infinity() : 1 / std::abs(way[k]);
+    next[k] = still ? delta[k] : enter + (way[k] < 0 ? position[k] - cell[k] : cell[k] + 1 - position[k]) * delta[k];
+  }
+  const double sill = (floor_z + params_.sill - from.z());
+  const double shelf = (floor_z + params_.shelf - from.z());
+  const auto set = [&](const Eigen::Vector2i& c, std::uint8_t bit) {
+    const std::size_t i =
+        static_cast<std::size_t>(c.y() - first_.y()) * static_cast<std::size_t>(width_) + static_cast<std::size_t>(c.x() - first_.x());
+    if (touched_bits_[i] == 0) touched_.push_back(i);
+    touched_bits_[i] |= bit;
+  };
+  double t = enter;
+  while (cell != end) {
+    const int k = next.x() < next.y() ? 0 : 1;
+    const double z = 0.5 * (t + std::min(next[k], leave)) * rise;
+    set(cell, z < sill ? low_bit : z < shelf ? mid_bit : high_bit);
+    if (next[k] > leave) break;
+    t = next[k];
+    cell[k] += step[k];
+    next[k] += delta[k];
+  }
+  if (hit) set(end, hit_bit);
+}
+
+void FreeSpace::mark(const Rays& rays, const Mark& at, int sign) {
+  const Eigen::Vector3d here = at.T_map_base.translation;
+  const double margin = params_.reach + 5;  // a keyframe's viewpoints lie within metres of its pose
+  make_room(here.head<2>().array() - margin, here.head<2>().array() + margin);
+  std::vector<Eigen::Vector3d> from;
+  for (const Eigen::Vector3f& viewpoint : rays.viewpoints) {
+    Eigen::Vector3d p = at.T_map_base * viewpoint.cast<double>();
+    if ((p - here).head<2>().cwiseAbs().maxCoeff() > 4.5) p = here;
+    from.push_back(p);
+  }
+  const Eigen::Matrix3d R = at.T_map_base.rotation.toRotationMatrix();
+  for (const Ray& ray : rays.rays) {
+    const Eigen::Vector3d end = R * (end_unit * Eigen::Vector3d(ray.x, ray.y, ray.z)) + here;
+    trace(from[ray.viewpoint], end, at.floor_z);
+  }
+  for (const std::size_t i : touched_) {
+    FreeCell& cell = cells_[i];
+    const std::uint8_t bits = touched_bits_[i];
+    touched_bits_[i] = 0;
+    const auto count = [sign](std::uint16_t& value) { value = static_cast<std::uint16_t>(value + sign); };
+    // A cell with a surface is not free to this keyframe, whatever passed beside the surface within it.
+    if (bits & hit_bit) {
+      count(cell.hits);
+      continue;
+    }
+    if (bits & low_bit) count(cell.low);
+    if (bits & mid_bit) count(cell.mid);
+    if (bits & high_bit) count(cell.high);
+  }
+  touched_.clear();
+}
+
+void FreeSpace::update(const std::map<KeyframeId, Pose>& T_map_base, double floor_z) {
+  floor_z_ = floor_z;
+  const double moved = 0.5 * params_.resolution;
+  const double turned = moved / 5;  // half a cell at five metres
+  for (const auto& [id, rays] : rays_) {
+    const auto pose = T_map_base.find(id);
+    const auto known = marks_.find(id);
+    if (known != marks_.end()) {
+      const Mark& mark = known->second;
+      const bool same = pose != T_map_base.end() && (pose->second.translation - mark.T_map_base.translation).norm() <= moved &&
+                        pose->second.rotation.angularDistance(mark.T_map_base.rotation) <= turned && std::abs(floor_z - mark.floor_z) <= moved;
+      if (same) continue;
+      this->mark(*rays, mark, -1);
+      marks_.erase(known);
+    }
+    if (pose == T_map_base.end()) continue;
+    const Mark mark{pose->second, floor_z};
+    this->mark(*rays, mark, 1);
+    marks_[id] = mark;
+  }
+}
+
+}  // namespace sgraph

@@ -1,0 +1,226 @@
+#include "sgraph_slam/core/places/wall_lines.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "sgraph_slam/core/places/dominant_wall.hpp"
+
+namespace sgraph {
+namespace {
+
+constexpr double step = 0.05;                 // along a line [m]
+constexpr double beyond = 1.8;                // a door may lie between a wall's end and the next wall: this far the line is followed [m]
+constexpr double parallel = 0.07;             // between faces of one line [rad]
+constexpr double nearest = 0.6;               // faces this near along the line may be one wall however short they are [m]
+constexpr double near = 3.0;                  // faces further apart along the line are no one wall [m]
+constexpr double shortest_face = 0.35;        // [m]
+constexpr double scrap = 0.6;                 // [m]
+constexpr double loose = 0.15;                // a speck in a gap may be this long [m]
+constexpr double cross_section_margin = 0.2;  // a door is narrower than the places by at least this [m]
+
+double weight(const Wall& wall) { return total_length(wall.support) * trust(wall); }
+
+Interval along_line(const Wall& wall, Interval part, const Eigen::Vector2d& direction) {
+  const double a = direction.dot(wall.at(part.low));
+  const double b = direction.dot(wall.at(part.high));
+  return {std::min(a, b), std::max(a, b)};
+}
+
+bool fits(const WallLine& line, const Wall& wall, double coplanar) {
+  if (line.normal.dot(wall.normal) < std::cos(parallel)) return false;
+  const Interval own = hull(wall.support);
+  const Interval stretch = along_line(wall, own, line.direction());
+  // A short face (a cupboard's side) far off in the same direction is no part of this wall.
+  const double apart = std::clamp(std::min(own.length(), hull(line.support).length()), nearest, near);
+  if (overlap(stretch, hull(line.support)) < -apart) return false;
+  return std::abs(line.distance(wall.at(own.low))) <= coplanar && std::abs(line.distance(wall.at(own.high))) <= coplanar;
+}
+
+void add_face(WallLine& line, const Wall& wall, std::size_t index) {
+  line.faces.push_back(index);
+  Intervals parts = line.support;
+  for (const Interval& part : wall.support) parts.push_back(along_line(wall, part, line.direction()));
+  line.support = unite(std::move(parts));
+}
+
+// What stands before a longer face and hides it.
+bool is_furniture(const WallLine& line, const WallLine& behind, const PlaceParams& params) {
+  if (line.normal.dot(behind.normal) < std::cos(0.12)) return false;
+  const Interval own = hull(line.support);
+  const double depth = behind.distance(line.at(own.center()));
+  if (depth <= params.coplanar || depth > params.furniture_depth) return false;
+  const double a = behind.direction().dot(line.at(own.low));
+  const double b = behind.direction().dot(line.at(own.high));
+  Interval whole = hull(behind.support);
+  if (own.length() > params.furniture_length || own.length() > 0.8 * total_length(behind.support)) return false;
+  whole = {whole.low - 0.7, whole.high + 0.7};
+  return std::min(a, b) > whole.low && std::max(a, b) < whole.high;
+}
+
+enum class Bin : char { unknown, solid, open };
+
+// What the raster says of the line at one place: a surface, or rays that go through below any sill.
+Bin look(const FreeSpace& space, const WallLine& line, double along) {
+  const Eigen::Vector2d p = line.at(along);
+  int hits = 0;
+  for (const double depth : {-0.04, 0.0, 0.04}) hits = std::max<int>(hits, space.at(p - depth * line.normal).hits);
+  int through = 1000000;
+  for (const double depth : {0.05, 0.1}) through = std::min<int>(through, space.at(p - depth * line.normal).low);
+  if (hits * 4 < through) return Bin::open;
+  if (hits > 0) return Bin::solid;
+  return Bin::unknown;
+}
+
+// Free way from a point, up to `most`.
+double free_way(const FreeSpace& space, const Eigen::Vector2d& from, const Eigen::Vector2d& direction, double most) {
+  double way = 0;
+  while (way < most && space.at(from + way * direction).free()) way += step;
+  return way;
+}
+
+// Width of the free space beside the middle of a gap, parallel to the line, on the side that `inwards` looks to.
+double width_beside(const FreeSpace& space, const WallLine& line, const Interval& gap, const Eigen::Vector2d& inwards, double most) {
+  double widest = 0;
+  for (const double depth : {0.35, 0.5, 0.7, 0.9, 1.1}) {
+    const Eigen::Vector2d p = line.at(gap.center()) + depth * inwards;
+    if (!space.at(p).free()) continue;
+    widest = std::max(widest, free_way(space, p, line.direction(), most) + free_way(space, p, -line.direction(), most));
+  }
+  return widest;
+}
+
+// The line in steps, from before its first face to behind its last.
+struct Profile {
+  Interval range;
+  std::vector<Bin> bins;
+
+  [[nodiscard]] double position(std::size_t i) const { return range.low + (static_cast<double>(i) + 0.5) * step; }
+  [[nodiscard]] Interval stretch(std::size_t begin, std::size_t end) const {
+    return {range.low + static_cast<double>(begin) * step, range.low + static_cast<double>(end) * step};
+  }
+};
+
+// Runs of bins that are `open`, or are not.
+template <class Visit>
+void visit_runs(const std::vector<Bin>& bins, bool open, Visit visit) {
+  for (std::size_t i = 0; i < bins.size();) {
+    std::size_t end = i;
+    while (end < bins.size() && (bins[end] == Bin::open) == open) ++end;
+    if (end > i) visit(i, end);
+    i = std::max(end, i + 1);
+  }
+}
+
+Profile profile_of(const WallLine& line, const FreeSpace& space, const std::vector<Eigen::Vector2d>& path, const PlaceParams& params) {
+  const Interval whole = hull(line.support);
+  Profile profile;
+  profile.range = {whole.low - beyond, whole.high + beyond};
+  profile.bins.resize(static_cast<std::size_t>(std::ceil(profile.range.length() / step)));
+  std::vector<Bin>& bins = profile.bins;
+  for (std::size_t i = 0; i < bins.size(); ++i) bins[i] = look(space, line, profile.position(i));
+  // Where the robot has passed there is no wall, whatever stood or stands there.
+  for (std::size_t i = 1; i < path.size(); ++i) {
+    const double a = line.distance(path[i - 1]);
+    const double b = line.distance(path[i]);
+    if ((a > 0) == (b > 0)) continue;
+    const double at = line.direction().dot(path[i - 1] + a / (a - b) * (path[i] - path[i - 1]));
+    for (std::size_t k = 0; k < bins.size(); ++k) {
+      if (std::abs(profile.position(k) - at) < params.robot_radius) bins[k] = Bin::open;
+    }
+  }
+  // Specks in a gap: a person, a leg of a chair.
+  std::vector<std::pair<std::size_t, std::size_t>> specks;
+  visit_runs(bins, false, [&](std::size_t begin, std::size_t end) {
+    if (begin > 0 && end < bins.size() && static_cast<double>(end - begin) * step <= loose) specks.emplace_back(begin, end);
+  });
+  for (const auto& [begin, end] : specks)
+    std::fill(bins.begin() + static_cast<std::ptrdiff_t>(begin), bins.begin() + static_cast<std::ptrdiff_t>(end), Bin::open);
+  return profile;
+}
+
+// What the faces' outlines claim and rays go through isn't wall: an outline is convex and holds doors too.
+void correct_support(WallLine& line, const Profile& profile) {
+  Intervals open;
+  visit_runs(profile.bins, true, [&](std::size_t begin, std::size_t end) { open.push_back(profile.stretch(begin, end)); });
+  Intervals seen;
+  for (const Interval& part : line.support) {
+    for (const Interval& rest : gaps(open, part, step)) seen.push_back(rest);
+  }
+  line.support = unite(std::move(seen), 2 * step);
+  // Where an outline reaches over a door and across another wall, a scrap of that wall is left at its end.
+  const auto is_scrap = [](const Interval& part, const Interval& next) { return part.length() < scrap && -overlap(part, next) > part.length(); };
+  Intervals& parts = line.support;
+  while (parts.size() > 1 && is_scrap(parts.front(), parts[1])) parts.erase(parts.begin());
+  while (parts.size() > 1 && is_scrap(parts.back(), parts[parts.size() - 2])) parts.pop_back();
+}
+
+void find_gaps(WallLine& line, const Profile& profile, const FreeSpace& space, const PlaceParams& params) {
+  const Interval whole = hull(line.support);
+  visit_runs(profile.bins, true, [&](std::size_t begin, std::size_t end) {
+    Gap gap;
+    gap.along = profile.stretch(begin, end);
+    gap.low_jamb = begin > 0;
+    gap.high_jamb = end < profile.bins.size();
+    if (gap.along.length() >= params.min_door) line.gaps.push_back(gap);
+  });
+  Intervals holes;
+  for (Gap& gap : line.gaps) {
+    holes.push_back(gap.along);
+    const double most = 40;
+    gap.front = width_beside(space, line, gap.along, line.normal, most);
+    gap.back = width_beside(space, line, gap.along, -line.normal, most);
+    if (!gap.low_jamb || !gap.high_jamb || total_length(line.support) < params.furniture_depth) continue;
+    const double narrower = std::min(gap.front, gap.back);
+    const double width = gap.along.length();
+    gap.cut = width <= params.max_door ? narrower >= width + cross_section_margin : width <= params.join_share * narrower;
+  }
+  // Solid: what has been seen, what nobody sees between, and the short way to the next corner.
+  Intervals solid;
+  for (const Interval& part : gaps(holes, profile.range)) {
+    Interval bounded = part;
+    bounded.low = std::max(bounded.low, whole.low);
+    bounded.high = std::min(bounded.high, whole.high);
+    if (bounded.length() > 0) solid.push_back(bounded);
+  }
+  line.solid = unite(std::move(solid));
+}
+
+}  // namespace
+
+std::vector<WallLine> find_wall_lines(const std::vector<Wall>& walls, const FreeSpace& space, const std::vector<Eigen::Vector2d>& path,
+                                      const PlaceParams& params) {
+  std::vector<std::size_t> order;
+  for (std::size_t i = 0; i < walls.size(); ++i) {
+    if (walls[i].length() >= shortest_face) order.push_back(i);
+  }
+  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return weight(walls[a]) > weight(walls[b]); });
+  std::vector<WallLine> lines;
+  for (const std::size_t i : order) {
+    const auto line = std::find_if(lines.begin(), lines.end(), [&](const WallLine& l) { return fits(l, walls[i], params.coplanar); });
+    if (line != lines.end()) {
+      add_face(*line, walls[i], i);
+    } else {
+      WallLine fresh;
+      fresh.normal = walls[i].normal;
+      fresh.offset = walls[i].offset;
+      add_face(fresh, walls[i], i);
+      lines.push_back(std::move(fresh));
+    }
+  }
+  std::vector<Profile> profiles;
+  for (WallLine& line : lines) {
+    profiles.push_back(profile_of(line, space, path, params));
+    correct_support(line, profiles.back());
+  }
+  std::vector<WallLine> bounding;
+  for (std::size_t i = 0; i < lines.size(); ++i) {
+    if (total_length(lines[i].support) < shortest_face) continue;
+    const auto hides = [&](const WallLine& other) { return &other != &lines[i] && is_furniture(lines[i], other, params); };
+    if (std::any_of(lines.begin(), lines.end(), hides)) continue;
+    bounding.push_back(lines[i]);
+    find_gaps(bounding.back(), profiles[i], space, params);
+  }
+  return bounding;
+}
+
+}  // namespace sgraph

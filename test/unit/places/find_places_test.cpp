@@ -1,0 +1,158 @@
+#include "sgraph_slam/core/places/find_places.hpp"
+
+#include <gtest/gtest.h>
+
+#include "scanned_plan.hpp"
+
+namespace sgraph {
+namespace {
+
+FoundPlaces found_in(const ScannedPlan& scanned) { return find_places(scanned.space, scanned.plan.walls, scanned.path, 0, PlaceParams{}); }
+
+TEST(FindPlaces, ARectangleIsARoomWithTheWidthsOfItsWalls) {
+  ScannedPlan scanned;
+  scanned.face({{0, 0}, {6, 0}, {6, 4}, {0, 4}});
+  scanned.walk({{1, 1}, {5, 3}});
+  const FoundPlaces found = found_in(scanned);
+  ASSERT_EQ(found.places.size(), 1U);
+  EXPECT_EQ(found.places[0].kind, PlaceKind::room);
+  EXPECT_NEAR(found.places[0].area.size.x(), 6, 1e-9);
+  EXPECT_NEAR(found.places[0].area.size.y(), 4, 1e-9);
+  EXPECT_NEAR((found.places[0].area.center - Eigen::Vector2d(3, 2)).norm(), 0, 1e-9);
+  EXPECT_EQ(found.places[0].walls, (std::array<PlaneId, 4>{{{3}, {1}, {0}, {2}}}));  // -x, +x, -y, +y
+  EXPECT_NEAR(signed_area(found.places[0].outline.polygon), 24, 1e-9);
+}
+
+TEST(FindPlaces, ALongNarrowRectangleIsACorridor) {
+  ScannedPlan scanned;
+  scanned.face({{0, 0}, {12, 0}, {12, 2}, {0, 2}});
+  scanned.walk({{1, 1}, {11, 1}});
+  const FoundPlaces found = found_in(scanned);
+  ASSERT_EQ(found.places.size(), 1U);
+  EXPECT_EQ(found.places[0].kind, PlaceKind::corridor);
+  EXPECT_NEAR(found.places[0].area.size.x(), 12, 1e-9);
+  EXPECT_NEAR(found.places[0].area.size.y(), 2, 1e-9);
+  EXPECT_EQ(found.places[0].walls[0], PlaneId{0});  // right hand of its direction
+  EXPECT_EQ(found.places[0].walls[1], PlaneId{2});
+}
+
+TEST(FindPlaces, AnLShapeIsOneHall) {
+  ScannedPlan scanned;
+  scanned.face({{0, 0}, {9, 0}, {9, 4}, {5, 4}, {5, 8}, {0, 8}});
+  scanned.walk({{1, 1}, {7, 2}, {3, 3}, {3, 6}});
+  const FoundPlaces found = found_in(scanned);
+  ASSERT_EQ(found.places.size(), 1U);
+  EXPECT_EQ(found.places[0].kind, PlaceKind::hall);
+  EXPECT_EQ(found.places[0].outline.polygon.size(), 6U);
+  EXPECT_NEAR(signed_area(found.places[0].outline.polygon), 56, 1e-6);
+  for (const PlaceSide& side : found.places[0].outline.sides) EXPECT_TRUE(side.plane.valid());
+}
+
+TEST(FindPlaces, OutlinesThatAreNoRectangles) {
+  const std::vector<std::vector<Eigen::Vector2d>> outlines{
+      {{0, 0}, {7, 0}, {5, 5}, {0, 5}},                                      // trapezoid
+      {{0, 0}, {6, 0}, {6, 5}, {4, 7}, {0, 7}},                              // cut corner
+      {{2, 0}, {5, 0}, {7, 2}, {7, 5}, {5, 7}, {2, 7}, {0, 5}, {0, 2}},      // octagon
+      {{0, 0}, {6, 0}, {6, 5}, {4, 5}, {4, 6.5}, {2, 6.5}, {2, 5}, {0, 5}},  // alcove
+      {{0, 0}, {16, 0}, {16, 11}, {0, 11}},                                  // a large hall that is a rectangle
+  };
+  for (const auto& outline : outlines) {
+    ScannedPlan scanned;
+    scanned.face(outline);
+    const Eigen::Vector2d middle = centroid(outline);
+    scanned.walk({middle - Eigen::Vector2d(1, 1), middle, middle + Eigen::Vector2d(0.5, 1)});
+    const FoundPlaces found = found_in(scanned);
+    ASSERT_EQ(found.places.size(), 1U);
+    EXPECT_EQ(found.places[0].outline.polygon.size(), outline.size());
+    EXPECT_NEAR(signed_area(found.places[0].outline.polygon), signed_area(outline), 1e-6);
+  }
+}
+
+TEST(FindPlaces, ADoorPartsTwoRooms) {
+  ScannedPlan scanned;
+  scanned.face({{0, 0}, {10, 0}, {10, 4}, {0, 4}});
+  scanned.wall({5, 0}, {5, 4}, {{1.5, 2.4}});
+  scanned.walk({{1, 1}, {3, 1.95}, {7, 1.95}, {9, 3}});
+  FoundPlaces found = found_in(scanned);
+  ASSERT_EQ(found.places.size(), 2U);
+  for (const FoundPlace& place : found.places) {
+    EXPECT_EQ(place.kind, PlaceKind::room);
+    EXPECT_NEAR(place.area.area(), 4.925 * 4, 1e-6);
+  }
+  ASSERT_EQ(found.doors.size(), 1U);
+  measure_door(scanned.space, found.doors[0]);
+  EXPECT_NEAR(found.doors[0].width, 0.9, 0.05);
+  EXPECT_NEAR((found.doors[0].position - Eigen::Vector2d(5, 1.95)).norm(), 0, 0.05);
+  EXPECT_NEAR(std::abs(std::cos(found.doors[0].yaw)), 1, 1e-6);
+}
+
+TEST(FindPlaces, AnOpeningJoinsWhenItIsMoreThanHalfAsWideAsTheNarrowerPlace) {
+  for (const double opening : {2.2, 4.0}) {
+    ScannedPlan scanned;
+    scanned.face({{0, 0}, {12, 0}, {12, 6}, {0, 6}});
+    scanned.wall({6, 0}, {6, 6}, {{3 - opening / 2, 3 + opening / 2}});
+    scanned.walk({{2, 2}, {4, 3}, {8, 3}, {10, 4}});
+    EXPECT_EQ(found_in(scanned).places.size(), opening > 3 ? 1U : 2U) << opening;
+  }
+}
+
+TEST(FindPlaces, FurnitureAndColumnsBoundNothing) {
+  ScannedPlan scanned;
+  scanned.face({{0, 0}, {8, 0}, {8, 6}, {0, 6}});
+  scanned.plan.add({1, 0.6}, {1, 0});  // a wardrobe at the wall: sides and front
+  scanned.plan.add({2.5, 0.6}, {1, 0.6});
+  scanned.plan.add({2.5, 0}, {2.5, 0.6});
+  scanned.plan.add({5, 3}, {5, 3.4});  // a column
+  scanned.plan.add({5.4, 3.4}, {5.4, 3});
+  scanned.walk({{2, 2}, {4, 4.5}, {6.5, 4.5}, {6.5, 1.5}, {3.5, 1.5}});
+  const FoundPlaces found = found_in(scanned);
+  ASSERT_EQ(found.places.size(), 1U);
+  EXPECT_EQ(found.places[0].kind, PlaceKind::room);
+  EXPECT_NEAR(found.places[0].area.area(), 48, 1e-6);
+}
+
+TEST(FindPlaces, ACorridorEndsWhereItOpensIntoAHall) {
+  ScannedPlan scanned;
+  scanned.face({{0, 2}, {10, 2}, {10, 0}, {18, 0}, {18, 8}, {10, 8}, {10, 4}, {0, 4}});
+  scanned.walk({{1, 3}, {9, 3}, {14, 4}, {15, 6}});
+  const FoundPlaces found = found_in(scanned);
+  ASSERT_EQ(found.places.size(), 2U);
+  const auto& corridor = found.places[0].kind == PlaceKind::corridor ? found.places[0] : found.places[1];
+  const auto& hall = found.places[0].kind == PlaceKind::corridor ? found.places[1] : found.places[0];
+  EXPECT_EQ(corridor.kind, PlaceKind::corridor);
+  EXPECT_NEAR(corridor.area.size.y(), 2, 1e-9);
+  EXPECT_NEAR(corridor.area.size.x(), 10, 0.15);
+  EXPECT_NEAR(signed_area(hall.outline.polygon), 64, 1);
+}
+
+TEST(FindPlaces, WhatTheRobotHasNotEnteredIsNoPlace) {
+  ScannedPlan scanned;
+  scanned.face({{0, 0}, {10, 0}, {10, 4}, {0, 4}});
+  scanned.wall({5, 0}, {5, 4}, {{1.5, 2.4}});
+  scanned.walk({{1, 1}, {4, 1.95}, {2, 3}});
+  const FoundPlaces found = found_in(scanned);
+  ASSERT_EQ(found.places.size(), 1U);
+  EXPECT_TRUE(found.doors.empty());
+}
+
+TEST(FreeSpace, MarksOfAKeyframeMoveWithIt) {
+  ScannedPlan scanned;
+  scanned.face({{0, 0}, {6, 0}, {6, 4}, {0, 4}});
+  scanned.walk({{1, 1}, {5, 3}});
+  FreeSpace moved = scanned.space;
+  std::map<KeyframeId, Pose> poses = scanned.poses;
+  for (auto& [id, pose] : poses) pose.translation.x() += 0.4;
+  moved.update(poses, 0);
+  EXPECT_TRUE(moved.at({6.2, 2.0}).free());
+  EXPECT_FALSE(scanned.space.at({6.2, 2.0}).free());
+  moved.update(scanned.poses, 0);
+  for (double x = -1; x < 7; x += 0.05) {
+    for (double y = -1; y < 5; y += 0.05) {
+      ASSERT_EQ(moved.at({x, y}).low, scanned.space.at({x, y}).low);
+      ASSERT_EQ(moved.at({x, y}).hits, scanned.space.at({x, y}).hits);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace sgraph
