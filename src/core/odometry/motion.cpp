@@ -24,8 +24,10 @@ Eigen::Vector3d SegmentMotion::rotate(double fraction, const Eigen::Vector3d& p)
   double versine = 0;  // 1 - cos
   if (a2 < 0.25) {
     // Series, to 1e-11; hardly any sensor turns by half a radian between two knots.
-    sine = a * (1 - a2 / 6 * (1 - a2 / 20 * (1 - a2 / 42 * (1 - a2 / 72))));
-    versine = a2 / 2 * (1 - a2 / 12 * (1 - a2 / 30 * (1 - a2 / 56 * (1 - a2 / 90))));
+    constexpr double s3 = 1.0 / 6, s5 = 1.0 / 20, s7 = 1.0 / 42, s9 = 1.0 / 72;
+    constexpr double c4 = 1.0 / 12, c6 = 1.0 / 30, c8 = 1.0 / 56, c10 = 1.0 / 90;
+    sine = a * (1 - s3 * a2 * (1 - s5 * a2 * (1 - s7 * a2 * (1 - s9 * a2))));
+    versine = 0.5 * a2 * (1 - c4 * a2 * (1 - c6 * a2 * (1 - c8 * a2 * (1 - c10 * a2))));
   } else {
     sine = std::sin(a);
     versine = 1.0 - std::cos(a);
