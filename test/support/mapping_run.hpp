@@ -2,8 +2,8 @@
 
 #include <vector>
 
-#include "sgraph_slam/core/mapping/back_end.hpp"
 #include "mapped_building.hpp"
+#include "sgraph_slam/core/mapping/back_end.hpp"
 
 namespace sgraph {
 

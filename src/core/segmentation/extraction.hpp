@@ -61,7 +61,7 @@ bool large_enough(const PointSet& points, const FlatSurface& surface, const Limi
 
 struct Extraction {
   std::vector<FlatSurface> surfaces;  ///< those with the most support first
-  double noise = 0;               ///< estimated from the cloud, see Limits [m]
+  double noise = 0;                   ///< estimated from the cloud, see Limits [m]
 };
 
 /// Sequential RANSAC for surfaces of connected points.

@@ -52,7 +52,8 @@ struct Claims {
   std::vector<char> contested;  // it lies in another surface too
 };
 
-Claims claims_of(const PointSet& points, const std::vector<Eigen::Vector3f>& viewpoints, const std::vector<FlatSurface>& surfaces, const Limits& limits) {
+Claims claims_of(const PointSet& points, const std::vector<Eigen::Vector3f>& viewpoints, const std::vector<FlatSurface>& surfaces,
+                 const Limits& limits) {
   Claims claims{std::vector<int>(points.size(), -1), std::vector<float>(points.size(), std::numeric_limits<float>::infinity()),
                 std::vector<char>(points.size(), 0)};
   std::vector<std::uint32_t> near;
@@ -101,7 +102,7 @@ std::vector<FlatSurface> merge_coplanar(const PointSet& points, std::vector<Flat
 }
 
 std::vector<FlatSurface> reassign(const PointSet& points, const std::vector<Eigen::Vector3f>& viewpoints, std::vector<FlatSurface> surfaces,
-                              const Limits& limits, std::vector<int>& labels) {
+                                  const Limits& limits, std::vector<int>& labels) {
   const Claims claims = claims_of(points, viewpoints, surfaces, limits);
   for (FlatSurface& surface : surfaces) surface.members.clear();
   for (std::size_t i = 0; i < points.size(); ++i) {

@@ -37,8 +37,8 @@ struct AssociationScore {
 /// The observations of the graph that `snapshot` holds (factors in the tangent form; the points form keeps no measured plane).
 std::vector<AssociatedPlane> associated_planes(const GraphSnapshot& snapshot);
 
-/// What each observation is truly of: the index of a line, nothing when it is of no wall or of a plane that lies on no face. It is put where it was truly
-/// made, `truth` at its keyframe's stamp, and is of the line that is nearest to it where it lies nearest to the keyframe on the mapped plane.
+/// What each observation is truly of: the index of a line, nothing when it is of no wall or of a plane that lies on no face. It is put where it was
+/// truly made, `truth` at its keyframe's stamp, and is of the line that is nearest to it where it lies nearest to the keyframe on the mapped plane.
 /// `T_truth_map` aligns the map.
 std::vector<std::optional<std::size_t>> true_lines(const std::vector<AssociatedPlane>& observations, const std::vector<ScenePlane>& planes,
                                                    const Trajectory& truth, const Pose& T_truth_map, const FaceLines& lines, const WallScore& walls);

@@ -4,9 +4,9 @@
 #include <vector>
 
 #include "sgraph_slam/core/eval/plan.hpp"
-#include "sgraph_slam/core/util/statistics.hpp"
 #include "sgraph_slam/core/types/pose.hpp"
 #include "sgraph_slam/core/types/scene.hpp"
+#include "sgraph_slam/core/util/statistics.hpp"
 
 namespace sgraph {
 

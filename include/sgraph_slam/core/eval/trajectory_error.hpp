@@ -2,8 +2,8 @@
 
 #include <vector>
 
-#include "sgraph_slam/core/util/statistics.hpp"
 #include "sgraph_slam/core/types/pose.hpp"
+#include "sgraph_slam/core/util/statistics.hpp"
 
 namespace sgraph {
 

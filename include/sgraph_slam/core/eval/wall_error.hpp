@@ -3,9 +3,9 @@
 #include <cstdint>
 #include <vector>
 
-#include "sgraph_slam/core/util/statistics.hpp"
 #include "sgraph_slam/core/eval/wall_faces.hpp"
 #include "sgraph_slam/core/types/scene.hpp"
+#include "sgraph_slam/core/util/statistics.hpp"
 
 namespace sgraph {
 

@@ -9,8 +9,8 @@ namespace sgraph {
 
 /// Lets odometry and inertial readings pass at once and holds each scan back until they cover it to its last firing: sensors reach a computer in
 /// another order than that in which they measure. A scan is also released when anything later by more than `patience` has come, so that a sensor
-/// that falls silent doesn't stop the rest. A scan stamped far ahead of the last one waits for the next: when that is earlier, the stamp was wrong, the
-/// scan is dropped, and those after it aren't taken for late ones. Decides by stamps alone.
+/// that falls silent doesn't stop the rest. A scan stamped far ahead of the last one waits for the next: when that is earlier, the stamp was wrong,
+/// the scan is dropped, and those after it aren't taken for late ones. Decides by stamps alone.
 class ScanGate {
  public:
   ScanGate(bool wait_for_odometry, bool wait_for_imu, double patience = 0.5)

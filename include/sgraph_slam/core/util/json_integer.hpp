@@ -6,8 +6,8 @@
 
 namespace sgraph {
 
-/// The integer that a JSON value holds. Throws std::runtime_error for anything else: a library's own conversion takes 3e14 for an int, and the result is
-/// undefined.
+/// The integer that a JSON value holds. Throws std::runtime_error for anything else: a library's own conversion takes 3e14 for an int, and the result
+/// is undefined.
 template <class Json>
 std::int64_t integer_from(const Json& json) {
   const bool too_large =
