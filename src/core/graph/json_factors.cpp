@@ -72,7 +72,11 @@ struct Reader {
     b = {integer_from(json.at(key).at(1))};
   }
   void sigma(const char* key, double& value) { field(key, value); }
-  void index(const char* key, int& value, int) { value = json.at(key).get<int>(); }
+  void index(const char* key, int& value, int count) {
+    const std::int64_t index = integer_from(json.at(key));
+    if (index < 0 || index >= count) throw std::runtime_error(std::string(key) + " " + std::to_string(index) + " isn't known");
+    value = static_cast<int>(index);
+  }
   template <class Value>
   void choice(const char* key, Value& value, std::initializer_list<Value> values) {
     const auto name = json.at(key).template get<std::string>();
