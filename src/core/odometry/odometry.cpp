@@ -30,7 +30,7 @@ KeyframeParams keyframe_params(const OdometryParams& params) {
 // Poses from wheels are off by more than what the beams are.
 CalibrationParams calibration_params(const OdometryParams& params) {
   CalibrationParams calibration = params.calibration;
-  if (params.source == "topic" && calibration.mode == "auto") calibration.mode = "fixed";
+  if (params.source == "topic" && calibration.mode != "off") calibration.mode = "fixed";
   return calibration;
 }
 
@@ -54,7 +54,7 @@ class Odometry::Implementation {
 
   OdometryOutput process(const CloudPtr& scan) {
     calibrator_.recognise(*scan);
-    MotionOutput motion = source_->process(calibrator_.calibration()->corrected(scan));
+    MotionOutput motion = source_->process(calibrator_.taken_out()->corrected(scan));
     OdometryOutput output;
     output.verdict = motion.verdict;
     output.live = motion.live;

@@ -60,17 +60,18 @@ constexpr int shown_scans = 20;     // in which the beams must show
 }  // namespace
 
 RingCalibrator::RingCalibrator(const CalibrationParams& params) : params_(params), index_(edge) {
-  if (!params.file.empty()) calibration_ = std::make_shared<const RingCalibration>(read_calibration(params.file));
+  if (!params.file.empty() && params.mode != "off") calibration_ = std::make_shared<const RingCalibration>(read_calibration(params.file));
+  taken_out_ = calibration_;
 }
 
 void RingCalibrator::switch_off() {
   rings_ = 0;
   shown_ = shown_scans;
-  calibration_ = std::make_shared<const RingCalibration>();
+  taken_out_ = calibration_ = std::make_shared<const RingCalibration>();
 }
 
 void RingCalibrator::recognise(const Cloud& raw) {
-  if (params_.mode != "auto" || shown_ >= shown_scans) return;
+  if (params_.mode == "fixed" || params_.mode == "off" || shown_ >= shown_scans) return;
   ++shown_;
   learn_beams(raw);
 }
@@ -120,7 +121,7 @@ void RingCalibrator::learn_beams(const Cloud& raw) {
   applied_[2 * rings] = share;
   prior_mean_[2 * rings] = vertical_settled_ ? share : 0.5;
   prior_weight_[2 * rings] = vertical_settled_ ? fixed_weight : 4.0;
-  calibration_ = calibration;
+  taken_out_ = calibration_ = calibration;
 }
 
 bool RingCalibrator::same_place(const Pose& pose) {
@@ -325,13 +326,18 @@ void RingCalibrator::solve() {
     if (scans_ < least_scans) continue;
     beam.range_applied = beam.range_applied || sigma[ring] < params_.range_sigma;
     beam.elevation_applied = beam.elevation_applied || sigma[rings_ + ring] < params_.elevation_sigma * degree;
-    applied_[ring] = beam.range_applied ? beam.range_offset : 0.0;
-    applied_[rings_ + ring] = beam.elevation_applied ? beam.elevation_offset : 0.0;
   }
   calibration->vertical_share = vertical_share_;
   calibration->vertical_sigma = vertical_sigma_;
   calibration->vertical_applied = vertical_settled_ && prior_mean_[2 * rings_] > 0.5;
+  if (params_.mode != "auto") return;
+  for (int ring = 0; ring < rings_; ++ring) {
+    const BeamCalibration& beam = calibration->beams[static_cast<std::size_t>(ring)];
+    applied_[ring] = beam.range_applied ? beam.range_offset : 0.0;
+    applied_[rings_ + ring] = beam.elevation_applied ? beam.elevation_offset : 0.0;
+  }
   applied_[2 * rings_] = calibration->vertical_applied ? 1.0 : 0.0;
+  taken_out_ = calibration;
   in_flight_ = scans_in_flight;
 }
 

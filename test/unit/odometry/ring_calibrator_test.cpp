@@ -81,7 +81,7 @@ std::shared_ptr<const RingCalibration> walked(const Unit& unit, int steps, const
     calibrator.recognise(*raw);
     Pose estimate = pose;
     estimate.translation += 0.002 * Eigen::Vector3d(random.next_normal(), random.next_normal(), random.next_normal());
-    calibrator.add(*calibrator.calibration()->corrected(raw), estimate);
+    calibrator.add(*calibrator.taken_out()->corrected(raw), estimate);
   }
   return calibrator.calibration();
 }
@@ -138,6 +138,22 @@ TEST(RingCalibrator, NothingIsTakenOutBeforeTheDataHoldsIt) {
   CalibrationParams off;
   off.mode = "off";
   EXPECT_FALSE(walked(unit_of(1, 0), 100, off)->corrects());
+}
+
+TEST(RingCalibrator, EstimatesWithoutTakingOut) {
+  RingCalibrator calibrator({});
+  RandomStream random(3, 1);
+  const Unit unit = unit_of(1, 0);
+  for (int step = 0; step < 80; ++step) {
+    Pose pose;
+    pose.translation = {1 + 0.05 * step, 2.7 + 1.6 * std::sin(0.1 * step), 0.9};
+    const Cloud raw = scan_of(unit, pose, random);
+    calibrator.recognise(raw);
+    calibrator.add(raw, pose);
+    EXPECT_FALSE(calibrator.taken_out()->corrects());
+  }
+  EXPECT_TRUE(calibrator.calibration()->corrects());
+  EXPECT_LT(range_error(*calibrator.calibration(), unit), 0.002);
 }
 
 TEST(RingCalibrator, SavedAndTakenUpAgain) {

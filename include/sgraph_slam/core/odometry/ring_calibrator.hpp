@@ -15,14 +15,16 @@
 namespace sgraph {
 
 struct CalibrationParams {
-  std::string mode = "off";
+  std::string mode = "estimate";
   std::string file;
   double range_sigma = 0.001;
   double elevation_sigma = 0.025;
 
   void describe(ParamVisitor& v) {
-    v.choice("mode", mode, {"auto", "fixed", "off"},
-             "Errors of the LiDAR's beams: auto estimates them while mapping and takes them out; fixed takes out only what `file` holds.");
+    v.choice("mode", mode, {"estimate", "auto", "fixed", "off"},
+             "Errors of the LiDAR's beams: estimate reports and saves them and takes out what `file` holds; auto also takes out what it finds; fixed "
+             "only takes "
+             "out what `file` holds.");
     v.field("file", file, "Calibration of an earlier run to begin with; empty: none.");
     v.field("range_sigma", range_sigma, "m", {1e-5, 0.1}, "A beam's range offset is taken out when it is known better than this.");
     v.field("elevation_sigma", elevation_sigma, "deg", {1e-4, 1}, "... and its elevation offset when that is known better than this.");
@@ -40,9 +42,11 @@ class RingCalibrator {
 
   /// Shows a scan as the sensor saw it, in its own frame: beams are learnt from the first ones.
   void recognise(const Cloud& raw);
-  /// Takes a scan whose pose is final, motion taken out, corrected by `calibration()` as it was when the scan came.
+  /// Takes a scan whose pose is final, motion taken out, corrected by `taken_out()` as it was when the scan came.
   void add(const Cloud& scan, const Pose& T_odom_lidar);
 
+  /// What is taken out of the scans that come. Never null.
+  [[nodiscard]] const std::shared_ptr<const RingCalibration>& taken_out() const { return taken_out_; }
   /// What is known now. Never null.
   [[nodiscard]] std::shared_ptr<const RingCalibration> calibration() const { return calibration_; }
 
@@ -97,6 +101,7 @@ class RingCalibrator {
   int shown_ = 0;
   std::vector<bool> counts_;  // rings that have points
   std::shared_ptr<const RingCalibration> calibration_ = std::make_shared<const RingCalibration>();
+  std::shared_ptr<const RingCalibration> taken_out_ = calibration_;
   VoxelIndex index_;
   std::vector<Voxel> voxels_;
   std::vector<Plane> planes_;
