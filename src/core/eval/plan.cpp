@@ -112,6 +112,7 @@ Plan plan_from(const json& j) {
   plan.name = j.value("name", "");
   for (const json& w : j.at("walls")) plan.walls.push_back(wall_from(w));
   for (const json& b : j.value("columns", json::array())) plan.blocks.push_back(block_from(b, false));
+  for (const json& b : j.value("stairs", json::array())) plan.blocks.push_back(block_from(b, false));
   for (const json& b : j.value("furniture", json::array())) plan.blocks.push_back(block_from(b, true));
   for (const json& r : j.value("rooms", json::array())) plan.rooms.push_back(place_from(r));
   for (const json& c : j.value("corridors", json::array())) plan.corridors.push_back(place_from(c));

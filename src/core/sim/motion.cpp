@@ -17,8 +17,10 @@ constexpr double difference_step = 1e-3;
 double clamp01(double x) { return std::min(1.0, std::max(0.0, x)); }
 
 // States at even moments 0, knot, 2 knot ... to the end and a little beyond.
-std::vector<Eigen::Vector4d> resample(const std::vector<PlanarState>& states) {
-  std::vector<Eigen::Vector4d> samples;
+using Sample = Eigen::Matrix<double, 6, 1>;
+
+std::vector<Sample> resample(const std::vector<PlanarState>& states) {
+  std::vector<Sample> samples;
   const auto count = static_cast<std::size_t>(std::ceil(states.back().time / knot)) + 1;
   std::size_t k = 0;
   for (std::size_t i = 0; i < count; ++i) {
@@ -28,16 +30,18 @@ std::vector<Eigen::Vector4d> resample(const std::vector<PlanarState>& states) {
     const PlanarState& b = states[std::min(k + 1, states.size() - 1)];
     const double f = b.time > a.time ? clamp01((t - a.time) / (b.time - a.time)) : 0.0;
     const Eigen::Vector2d p = a.position + f * (b.position - a.position);
-    samples.emplace_back(p.x(), p.y(), a.heading + f * (b.heading - a.heading), 0.0);
+    Sample sample;
+    sample << p.x(), p.y(), a.heading + f * (b.heading - a.heading), 0, a.z + f * (b.z - a.z), 0;
+    samples.push_back(sample);
   }
   return samples;
 }
 
 // How much it walks at each sample: 0 standing, 1 walking or turning; rises and falls over half a second.
-void add_activity(std::vector<Eigen::Vector4d>& samples) {
+void add_activity(std::vector<Sample>& samples) {
   std::vector<double> moving(samples.size(), 0.0);
   for (std::size_t i = 1; i < samples.size(); ++i) {
-    const Eigen::Vector4d change = (samples[i] - samples[i - 1]) / knot;
+    const Sample change = (samples[i] - samples[i - 1]) / knot;
     moving[i] = clamp01(change.head<2>().norm() / 0.2 + std::abs(change[2]) / 0.3);
   }
   constexpr int half = 5;
@@ -48,6 +52,40 @@ void add_activity(std::vector<Eigen::Vector4d>& samples) {
       if (j >= 0 && j < static_cast<std::ptrdiff_t>(samples.size())) sum += moving[static_cast<std::size_t>(j)];
     }
     samples[i][3] = sum / (2 * half + 1);
+  }
+}
+
+// Rounds the height of the floor over half a second, as a body does that is longer than a step, and takes the slope from it.
+void add_slope(std::vector<Sample>& samples) {
+  constexpr int half = 5;
+  constexpr double least_way = 0.005;  // of a knot, below which the robot stands [m]
+  const auto at = [&samples](std::ptrdiff_t i) -> const Sample& {
+    return samples[static_cast<std::size_t>(std::min(std::max<std::ptrdiff_t>(i, 0), static_cast<std::ptrdiff_t>(samples.size()) - 1))];
+  };
+  if (std::all_of(samples.begin(), samples.end(), [&](const Sample& s) { return s[4] == samples.front()[4]; })) return;
+  std::vector<double> heights(samples.size());
+  std::vector<double> slopes(samples.size(), 0.0);
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    double sum = 0;
+    for (int k = -half; k <= half; ++k) sum += at(static_cast<std::ptrdiff_t>(i) + k)[4];
+    heights[i] = sum / (2 * half + 1);
+    const Sample& before = at(static_cast<std::ptrdiff_t>(i) - half);
+    const Sample& after = at(static_cast<std::ptrdiff_t>(i) + half);
+    const double way = (after - before).head<2>().norm();
+    if (way > 2 * half * least_way) {
+      slopes[i] = std::atan2(after[4] - before[4], way);
+    } else if (i > 0 && after[4] != before[4]) {
+      slopes[i] = slopes[i - 1];
+    }
+  }
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    samples[i][4] = heights[i];
+    double sum = 0;
+    for (int k = -half; k <= half; ++k) {
+      const auto j = std::min(std::max<std::ptrdiff_t>(static_cast<std::ptrdiff_t>(i) + k, 0), static_cast<std::ptrdiff_t>(samples.size()) - 1);
+      sum += slopes[static_cast<std::size_t>(j)];
+    }
+    samples[i][5] = sum / (2 * half + 1);
   }
 }
 
@@ -83,16 +121,24 @@ double speed_for(const Route& route, MotionProfile profile) {
   return 1 / pace;
 }
 
+Route raised(Route route, double height) {
+  for (Waypoint& waypoint : route.waypoints) waypoint.z += height;
+  return route;
+}
+
 }  // namespace
 
-Motion::Motion(const Route& route, const MotionProfile& profile, double floor_z, Unevenness floor)
-    : profile_(profile), floor_z_(floor_z), floor_(std::move(floor)) {
+Motion::Motion(const Route& route, const MotionProfile& profile, std::vector<FloorLevel> floors) : profile_(profile), floors_(std::move(floors)) {
   if (route.duration > 0) profile_.speed = speed_for(route, profile);
   const std::vector<PlanarState> states = drive_route(route, profile_);
   duration_ = states.back().time;
   control_ = resample(states);
   add_activity(control_);
+  add_slope(control_);
 }
+
+Motion::Motion(const Route& route, const MotionProfile& profile, double floor_z)
+    : Motion(raised(route, floor_z), profile, std::vector<FloorLevel>{}) {}
 
 Motion::Motion(Trajectory recorded) : recorded_(std::move(recorded)) {
   if (recorded_.size() < 4) throw WorldError("a recorded walk needs at least four poses");
@@ -148,11 +194,16 @@ Pose Motion::pose_at(double time) const {
   const double lean_roll = profile_.tilt * 0.7 * (std::sin(2 * M_PI * 0.31 * time) + 0.43 * std::sin(2 * M_PI * 0.83 * time + 1.0));
   const double lean_pitch = profile_.tilt * 0.7 * (std::sin(2 * M_PI * 0.23 * time + 2.0) + 0.43 * std::sin(2 * M_PI * 0.71 * time));
   const double roll = s[3] * (profile_.sway_roll * std::sin(phase) + lean_roll);
-  const double pitch = s[3] * (profile_.sway_pitch * std::sin(2 * phase) + lean_pitch);
+  const double pitch = s[3] * (profile_.sway_pitch * std::sin(2 * phase) + lean_pitch) - s[5];
   const double lift = s[3] * profile_.sway_height * std::sin(2 * phase + 0.8);
+  double unevenness = 0;  // fades within half a metre of height where the robot leaves a floor
+  for (const FloorLevel& floor : floors_) {
+    const double share = std::max(0.0, 1 - 2 * std::abs(s[4] - floor.z));
+    if (share > 0) unevenness += share * floor.shape(s.head<2>());
+  }
   return {Eigen::AngleAxisd(s[2], Eigen::Vector3d::UnitZ()) * Eigen::AngleAxisd(pitch, Eigen::Vector3d::UnitY()) *
               Eigen::AngleAxisd(roll, Eigen::Vector3d::UnitX()),
-          Eigen::Vector3d(s[0], s[1], floor_z_ + floor_(s.head<2>()) + profile_.base_height + lift)};
+          Eigen::Vector3d(s[0], s[1], s[4] + unevenness + profile_.base_height + lift)};
 }
 
 Vector6 Motion::twist_at(double time) const {
@@ -172,8 +223,9 @@ Eigen::Vector3d Motion::acceleration_at(double time) const {
 }
 
 Motion motion_along_route(const World& world) {
-  const Storey& storey = world.storeys.at(world.route.storey);
-  return {world.route, world.motion, storey.elevation, storey.floor_shape};
+  std::vector<FloorLevel> floors;
+  for (const Storey& storey : world.storeys) floors.push_back({storey.elevation, storey.floor_shape});
+  return {world.route, world.motion, floors};
 }
 
 }  // namespace sgraph::sim

@@ -20,6 +20,7 @@ struct PathPoint {
   double curvature;
   double curvature_rate;  // d curvature / d length
   double length;          // to the next point
+  double z = 0;           // of the floor
 };
 
 // Curve of length 1 that turns by `angle` with the curvature angle (1 - cos 2 pi s): curvature and its first derivative vanish at both ends.
@@ -36,7 +37,9 @@ Eigen::Vector2d unit_curve(double angle, int pieces) {
 
 class PathBuilder {
  public:
-  std::vector<PathPoint> build(const std::vector<Eigen::Vector2d>& corners, double corner_distance) {
+  std::vector<PathPoint> build(const std::vector<Waypoint>& waypoints, double corner_distance) {
+    std::vector<Eigen::Vector2d> corners;
+    for (const Waypoint& waypoint : waypoints) corners.push_back(waypoint.position);
     double begin = 0;  // already covered of the leg by the last curve
     for (std::size_t i = 0; i + 1 < corners.size(); ++i) {
       const Eigen::Vector2d leg = corners[i + 1] - corners[i];
@@ -54,6 +57,7 @@ class PathBuilder {
       begin = cut;
     }
     points_.push_back({corners.back(), heading_of(corners.back() - corners[corners.size() - 2]), 0, 0, 0});
+    set_heights(waypoints);
     return points_;
   }
 
@@ -83,13 +87,32 @@ class PathBuilder {
     }
   }
 
+  // Heights of the floor along the path: even between the waypoints. A point belongs to the leg on which it falls, and legs are passed in order; in a
+  // curve the leg changes where the next waypoint's bisector is crossed.
+  void set_heights(const std::vector<Waypoint>& waypoints) {
+    std::size_t leg = 0;
+    for (PathPoint& point : points_) {
+      while (leg + 2 < waypoints.size()) {
+        const Eigen::Vector2d in = (waypoints[leg + 1].position - waypoints[leg].position).normalized();
+        const Eigen::Vector2d out = (waypoints[leg + 2].position - waypoints[leg + 1].position).normalized();
+        if ((point.position - waypoints[leg + 1].position).dot(in + out) < 0) break;
+        ++leg;
+      }
+      const Eigen::Vector2d way = waypoints[leg + 1].position - waypoints[leg].position;
+      const double share = std::min(1.0, std::max(0.0, (point.position - waypoints[leg].position).dot(way) / way.squaredNorm()));
+      point.z = waypoints[leg].z + share * (waypoints[leg + 1].z - waypoints[leg].z);
+    }
+  }
+
   std::vector<PathPoint> points_;
 };
 
 // Appends states in time; keeps the heading unwrapped.
 class Driver {
  public:
-  Driver(const Waypoint& start, double heading, const MotionProfile& profile) : profile_(profile) { states_.push_back({0, start.position, heading}); }
+  Driver(const Waypoint& start, double heading, const MotionProfile& profile) : profile_(profile) {
+    states_.push_back({0, start.position, heading, start.z});
+  }
 
   void stand(double seconds) {
     PlanarState state = states_.back();
@@ -116,7 +139,7 @@ class Driver {
       } else {
         turned = std::abs(angle) - 0.5 * alpha * (total - t) * (total - t);
       }
-      states_.push_back({start.time + t, start.position, start.heading + std::copysign(turned, angle)});
+      states_.push_back({start.time + t, start.position, start.heading + std::copysign(turned, angle), start.z});
     }
   }
 
@@ -135,7 +158,8 @@ class Driver {
       for (int k = 1; k <= pieces; ++k) {  // with constant acceleration, as near a stop one step takes long
         const double t = seconds * k / pieces;
         const double f = (speed[i - 1] + 0.5 * (speed[i] - speed[i - 1]) * t / seconds) * t / from.length;
-        states_.push_back({time + t, from.position + f * (path[i].position - from.position), unwrapped + f * turn});
+        states_.push_back(
+            {time + t, from.position + f * (path[i].position - from.position), unwrapped + f * turn, from.z + f * (path[i].z - from.z)});
       }
       time += seconds;
       unwrapped += turn;
@@ -184,14 +208,14 @@ std::vector<PlanarState> drive_route(const Route& route, const MotionProfile& pr
   }
   Driver driver(waypoints.front(), route.start_heading, profile);
   driver.stand(route.stand);
-  std::vector<Eigen::Vector2d> leg{waypoints.front().position};
+  std::vector<Waypoint> leg{waypoints.front()};
   for (std::size_t i = 1; i < waypoints.size(); ++i) {
-    leg.push_back(waypoints[i].position);
+    leg.push_back(waypoints[i]);
     if (!stops_at(waypoints, i)) continue;
-    driver.turn_to(heading_of(leg[1] - leg[0]));
+    driver.turn_to(heading_of(leg[1].position - leg[0].position));
     driver.drive(PathBuilder().build(leg, profile.corner));
     driver.stand(waypoints[i].wait);
-    leg = {waypoints[i].position};
+    leg = {waypoints[i]};
   }
   driver.stand(route.stand_end);
   return driver.states();

@@ -11,6 +11,7 @@ struct PlanarState {
   double time = 0;
   Eigen::Vector2d position = Eigen::Vector2d::Zero();
   double heading = 0;  ///< unwrapped [rad]
+  double z = 0;        ///< of the floor [m]
 };
 
 /// The route driven within the profile's limits, at moments at most a few hundredths of a second apart while it moves. Throws WorldError.

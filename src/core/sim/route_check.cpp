@@ -121,17 +121,22 @@ bool within(const std::vector<Eigen::Vector2d>& polygon, const Eigen::Vector2d& 
 }
 
 void check_robot(const World& world, const Motion& motion, const std::vector<Obstacle>& obstacles, double radius) {
-  const Storey& storey = world.storeys[world.route.storey];
-  const double bottom = storey.elevation + 0.05;
-  const double top = storey.elevation + world.motion.base_height + std::max(0.0, world.T_base_lidar.translation.z()) + 0.15;
+  constexpr double clearance = 0.05;  // over the floor [m]
+  constexpr double on_floor = 0.3;    // farther from every floor the robot is on stairs [m]
+  const double tall = world.motion.base_height + std::max(0.0, world.T_base_lidar.translation.z()) + 0.15;
   const std::vector<PersonTrack> people(world.people.begin(), world.people.end());
   for (double t = 0; t <= motion.duration(); t += 0.05) {
-    const Eigen::Vector2d p = motion.pose_at(t).translation.head<2>();
-    if (const Obstacle* obstacle = hit(obstacles, p, radius, bottom, top)) {
+    const Eigen::Vector3d base = motion.pose_at(t).translation;
+    const Eigen::Vector2d p = base.head<2>();
+    const double floor = base.z() - world.motion.base_height;
+    if (const Obstacle* obstacle = hit(obstacles, p, radius, floor + clearance, floor + tall)) {
       refuse(world, p, t, obstacle->what + (obstacle->line > 0 ? " (line " + std::to_string(obstacle->line) + ")" : ""));
     }
-    bool indoors = false;
-    for (const auto& outline : storey.outlines) indoors = indoors || within(outline, p);
+    bool indoors = true;
+    for (const Storey& storey : world.storeys) {
+      if (std::abs(floor - storey.elevation) > on_floor) continue;
+      indoors = std::any_of(storey.outlines.begin(), storey.outlines.end(), [&](const auto& outline) { return within(outline, p); });
+    }
     if (!indoors) refuse(world, p, t, "the outline of the storey");
     for (std::size_t i = 0; i < people.size(); ++i) {
       if ((people[i].at(t).position - p).norm() < radius + 0.25) refuse(world, p, t, "person " + std::to_string(i + 1));

@@ -58,6 +58,7 @@ std::vector<std::size_t> passages(const Route& route, const Wall& wall, const Op
   for (std::size_t i = 0; i + 1 < route.waypoints.size(); ++i) {
     const Eigen::Vector2d a = route.waypoints[i].position - wall.p;
     const Eigen::Vector2d b = route.waypoints[i + 1].position - wall.p;
+    if (std::abs(route.waypoints[i].z - wall.bottom) > 0.5) continue;
     const double da = cross(wall.direction(), a);
     const double db = cross(wall.direction(), b);
     if ((da > 0) == (db > 0)) continue;

@@ -212,6 +212,14 @@ class PlanReader {
 Storey read_storey(Fields& fields, const std::string& name, PlanFrames& frames) {
   Storey storey;
   storey.name = fields.text("storey", name);
+  for (const auto& [key, voids] : {std::pair{"floor_voids", &storey.floor_voids}, {"ceiling_voids", &storey.ceiling_voids}}) {
+    for (const YAML::Node& node : fields.list_of(fields.take(key))) {
+      const std::vector<Eigen::Vector2d> corners = fields.points_of(node, 2);
+      if (corners.size() != 2 || (corners[1] - corners[0]).minCoeff() < 0.1)
+        fields.fail(node, std::string("`") + key + "` needs the low and the high corner of each rectangle");
+      voids->push_back(corners);
+    }
+  }
   storey.elevation = fields.number("elevation", 0, {-100, 1000});
   storey.height = fields.number("height", 2.8, {1, 50});
   storey.floor = fields.flag("floor", true);

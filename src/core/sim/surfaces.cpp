@@ -117,6 +117,25 @@ std::vector<Eigen::Vector2d> cut(const std::vector<Eigen::Vector2d>& polygon, in
   return kept;
 }
 
+// What rectangles leave of an outline, in pieces.
+std::vector<std::vector<Eigen::Vector2d>> without(const std::vector<Eigen::Vector2d>& outline,
+                                                  const std::vector<std::vector<Eigen::Vector2d>>& voids) {
+  std::vector<std::vector<Eigen::Vector2d>> pieces{outline};
+  for (const auto& corners : voids) {
+    const Eigen::Vector2d& low = corners[0];
+    const Eigen::Vector2d& high = corners[1];
+    std::vector<std::vector<Eigen::Vector2d>> left;
+    for (const auto& piece : pieces) {
+      const auto middle = cut(cut(piece, 0, low.x(), 1), 0, high.x(), -1);
+      for (const auto& part : {cut(piece, 0, low.x(), -1), cut(piece, 0, high.x(), 1), cut(middle, 1, low.y(), -1), cut(middle, 1, high.y(), 1)}) {
+        if (part.size() >= 3) left.push_back(part);
+      }
+    }
+    pieces = left;
+  }
+  return pieces;
+}
+
 // A floor or ceiling: the outline, or where it isn't flat, triangles over cells of half a metre.
 void add_level(std::vector<Surface>& all, const std::vector<Eigen::Vector2d>& outline, double z, const Unevenness& shape, SurfaceKind kind,
                Material material) {
@@ -144,6 +163,18 @@ void add_level(std::vector<Surface>& all, const std::vector<Eigen::Vector2d>& ou
           all.push_back({{lifted(piece[0]), lifted(piece[i]), lifted(piece[i + 1])}, kind, material});
       }
     }
+  }
+}
+
+// The top of a ramp and, a little lower, its underside.
+void add_ramp(std::vector<Surface>& all, const Flight& flight) {
+  constexpr double slab = 0.3;
+  const Eigen::Vector3d way = (flight.end - flight.begin).normalized();
+  const Eigen::Vector3d across = 0.5 * flight.width * Eigen::Vector3d(-way.y(), way.x(), 0).normalized();
+  for (const double down : {0.0, slab}) {
+    const Eigen::Vector3d low = flight.begin - Eigen::Vector3d(0, 0, down);
+    const Eigen::Vector3d high = flight.end - Eigen::Vector3d(0, 0, down);
+    all.push_back({{low - across, high - across, high + across, low + across}, SurfaceKind::stairs, Material::concrete});
   }
 }
 
@@ -175,8 +206,41 @@ const char* to_string(SurfaceKind value) {
     case SurfaceKind::furniture: return "furniture";
     case SurfaceKind::glass: return "glass";
     case SurfaceKind::ground: return "ground";
+    case SurfaceKind::stairs: return "stairs";
   }
   return "?";
+}
+
+std::vector<Block> stairs_of(const World& world, bool ramps) {
+  constexpr double slab = 0.3;       // a step's thickness
+  constexpr double low_step = 0.02;  // of a ramp
+  std::vector<Block> blocks;
+  for (const Flight& flight : world.flights) {
+    if (flight.step == 0 && !ramps) continue;
+    const Eigen::Vector2d way = (flight.end - flight.begin).head<2>();
+    const double rise = flight.end.z() - flight.begin.z();
+    const int count = std::max(1, static_cast<int>(std::lround(rise / (flight.step > 0 ? flight.step : low_step))));
+    for (int i = 0; i < count; ++i) {
+      Block step;
+      step.name = "stairs";
+      step.material = Material::concrete;
+      step.size = {way.norm() / count, flight.width, slab};
+      step.yaw = std::atan2(way.y(), way.x());
+      const Eigen::Vector2d middle = flight.begin.head<2>() + way * ((i + 0.5) / count);
+      step.center = {middle.x(), middle.y(), flight.begin.z() + rise * (i + 1) / count - 0.5 * slab};
+      blocks.push_back(step);
+    }
+  }
+  for (const Landing& landing : world.landings) {
+    Block block;
+    block.name = "landing";
+    block.material = Material::concrete;
+    const Eigen::Vector2d middle = 0.5 * (landing.low + landing.high);
+    block.center = {middle.x(), middle.y(), landing.z - 0.5 * slab};
+    block.size = {landing.high.x() - landing.low.x(), landing.high.y() - landing.low.y(), slab};
+    blocks.push_back(block);
+  }
+  return blocks;
 }
 
 double ground_height(const World& world) {
@@ -196,9 +260,15 @@ std::vector<Surface> surfaces_of(const World& world) {
   };
   for (const Storey& storey : world.storeys) {
     for (const auto& outline : storey.outlines) {
-      if (storey.floor) add_level(all, outline, storey.elevation, storey.floor_shape, SurfaceKind::floor, Material::concrete);
+      if (storey.floor) {
+        for (const auto& piece : without(outline, storey.floor_voids))
+          add_level(all, piece, storey.elevation, storey.floor_shape, SurfaceKind::floor, Material::concrete);
+      }
       end_object();
-      if (storey.ceiling) add_level(all, outline, storey.elevation + storey.height, storey.ceiling_shape, SurfaceKind::ceiling, Material::plaster);
+      if (storey.ceiling) {
+        for (const auto& piece : without(outline, storey.ceiling_voids))
+          add_level(all, piece, storey.elevation + storey.height, storey.ceiling_shape, SurfaceKind::ceiling, Material::plaster);
+      }
       end_object();
     }
     const double margin = storey.floor_shape.flat() && storey.ceiling_shape.flat() ? 0 : 0.05;
@@ -222,6 +292,14 @@ std::vector<Surface> surfaces_of(const World& world) {
       end_object();
     }
   }
+  for (const Block& step : stairs_of(world, false)) {
+    const double half = 0.5 * step.size.z();
+    add_prism(all, footprint(step), step.center.z() - half, step.center.z() + half, SurfaceKind::stairs, step.material, true, true);
+  }
+  for (const Flight& flight : world.flights) {
+    if (flight.step == 0) add_ramp(all, flight);
+  }
+  end_object();
   if (world.ground) add_ground(all, world);
   end_object();
   return all;

@@ -25,9 +25,10 @@ json place_json(const Place& place) {
 }
 
 // Whether the robot comes into the place.
-bool visited(const Place& place, const std::vector<Eigen::Vector2d>& way) {
-  for (const Eigen::Vector2d& p : way) {
-    const Eigen::Vector2d inside = Eigen::Rotation2Dd(-place.yaw) * (p - place.center);
+bool visited(const Place& place, const std::vector<Eigen::Vector3d>& way) {
+  for (const Eigen::Vector3d& p : way) {
+    if (p.z() < place.z || p.z() > place.z + place.height) continue;
+    const Eigen::Vector2d inside = Eigen::Rotation2Dd(-place.yaw) * (p.head<2>() - place.center);
     if (std::abs(inside.x()) < 0.5 * place.width.x() && std::abs(inside.y()) < 0.5 * place.width.y()) return true;
   }
   return false;
@@ -88,6 +89,23 @@ void add_doors(json& truth, const Storey& storey, std::size_t number, const std:
                               {"closed", door.closed},
                               {"wanted", wanted}});
   }
+}
+
+// On which storey the robot is, by seconds from the start; null on stairs and ramps: farther than 10 cm from every floor.
+json storeys_json(const World& world, const std::vector<Eigen::Vector3d>& way) {
+  constexpr double near = 0.1;
+  constexpr double step = 0.1;  // of the way [s]
+  json stretches = json::array();
+  for (std::size_t i = 0; i < way.size(); ++i) {
+    json storey;
+    for (std::size_t k = 0; k < world.storeys.size(); ++k) {
+      if (std::abs(way[i].z() - world.motion.base_height - world.storeys[k].elevation) < near) storey = k;
+    }
+    if (stretches.empty() || stretches.back()["storey"] != storey)
+      stretches.push_back({{"begin", step * static_cast<double>(i)}, {"storey", storey}});
+    stretches.back()["end"] = step * static_cast<double>(i);
+  }
+  return stretches;
 }
 
 json session_json(const Session& session) {
@@ -166,17 +184,14 @@ std::string truth_json(const World& world, const Motion& motion, double duration
                 {"walls", json::array()},
                 {"columns", json::array()},
                 {"furniture", json::array()},
+                {"stairs", json::array()},
                 {"storeys", json::array()},
                 {"surfaces", json::array()}};
-  std::vector<Eigen::Vector2d> way;
-  std::vector<Eigen::Vector3d> way_in_space;
-  for (double t = 0; t <= duration; t += 0.1) {
-    way_in_space.push_back(motion.pose_at(t).translation);
-    way.emplace_back(way_in_space.back().head<2>());
-  }
+  std::vector<Eigen::Vector3d> way;
+  for (double t = 0; t <= duration; t += 0.1) way.push_back(motion.pose_at(t).translation);
   for (std::size_t number = 0; number < world.storeys.size(); ++number) {
     const Storey& storey = world.storeys[number];
-    const std::vector<bool> entered = entered_regions(storey, way_in_space);
+    const std::vector<bool> entered = entered_regions(storey, way);
     add_regions(truth, storey, number, entered);
     add_doors(truth, storey, number, entered);
     for (const Place& place : storey.rooms) truth[visited(place, way) ? "rooms" : "other_rooms"].push_back(place_json(place));
@@ -200,6 +215,8 @@ std::string truth_json(const World& world, const Motion& motion, double duration
   }
   for (const Surface& surface : surfaces_of(world)) truth["surfaces"].push_back(surface_json(surface));
   if (world.ground) truth["ground"] = ground_height(world);
+  for (const Block& step : stairs_of(world, true)) truth["stairs"].push_back(block_json(step));
+  truth["storey_of_path"] = storeys_json(world, way);
   truth["session"] = session_json(world.session);
   truth["sensor"] = sensor_json(lidar);
   truth["duration"] = duration;

@@ -70,6 +70,36 @@ void read_motion(Fields& top, World& world) {
   world.motion = m;
 }
 
+Eigen::Vector3d point_in_space(Fields& fields, const char* key) {
+  const std::vector<double> values = fields.numbers(fields.need(key), 3);
+  return {values[0], values[1], values[2]};
+}
+
+void read_stairs(Fields& top, World& world) {
+  for (const YAML::Node& node : top.list_of(top.take("stairs"))) {
+    Fields fields(node, top.file(), "a flight of stairs");
+    Flight flight;
+    flight.begin = point_in_space(fields, "from");
+    flight.end = point_in_space(fields, "to");
+    flight.width = fields.number("width", 1.2, {0.4, 30});
+    flight.step = fields.number("step", 0.17, {0, 0.4});
+    if ((flight.end - flight.begin).head<2>().norm() < 0.3) fields.fail(node, "a flight of stairs must be at least 0.3 m long");
+    if (flight.end.z() - flight.begin.z() < 0.05) fields.fail(node, "a flight of stairs must rise `from` low `to` high");
+    fields.finish();
+    world.flights.push_back(flight);
+  }
+  for (const YAML::Node& node : top.list_of(top.take("landings"))) {
+    Fields fields(node, top.file(), "a landing");
+    Landing landing;
+    landing.low = fields.point("low");
+    landing.high = fields.point("high");
+    landing.z = fields.number("z", 0, {-100, 1000});
+    if ((landing.high - landing.low).minCoeff() < 0.1) fields.fail(node, "a landing's `high` must lie beyond its `low`");
+    fields.finish();
+    world.landings.push_back(landing);
+  }
+}
+
 void read_building(Fields& top, World& world) {
   const YAML::Node node = top.take("building");
   if (node.IsNull()) return;
@@ -97,14 +127,19 @@ void read_lidar(Fields& top, World& world) {
   fields.finish();
 }
 
-Waypoint read_waypoint(const Fields& route, const YAML::Node& node, const PlanFrames& frames) {
+// `storey` is where the waypoint lies: that of the one before unless it says another.
+Waypoint read_waypoint(const Fields& route, const YAML::Node& node, const World& world, const StoreyFrames& all_frames, std::size_t& storey) {
   Waypoint waypoint;
+  waypoint.z = world.storeys[storey].elevation;
   waypoint.line = line_of(node);
   if (node.IsSequence()) {
     waypoint.position = route.point_of(node);
     return waypoint;
   }
   Fields fields(node, route.file(), "a waypoint");
+  storey = static_cast<std::size_t>(fields.integer("storey", static_cast<int>(storey), 0, static_cast<int>(world.storeys.size()) - 1));
+  waypoint.z = fields.number("z", world.storeys[storey].elevation, {-100, 1000});
+  const PlanFrames& frames = all_frames[storey];
   const auto frame = frames.find(fields.text("wing", ""));
   if (frame == frames.end()) fields.fail(node, "no wing is called `" + fields.text("wing", "") + "`");
   waypoint.position = frame->second * fields.point("at");
@@ -118,7 +153,8 @@ void read_route(Fields& top, World& world, const StoreyFrames& frames) {
   const int storey = fields.integer("storey", 0, 0, static_cast<int>(world.storeys.size()) - 1);
   world.route.storey = static_cast<std::size_t>(storey);
   std::vector<Waypoint> round;
-  for (const YAML::Node& node : fields.list_of(fields.need("waypoints"))) round.push_back(read_waypoint(fields, node, frames[world.route.storey]));
+  std::size_t current = world.route.storey;
+  for (const YAML::Node& node : fields.list_of(fields.need("waypoints"))) round.push_back(read_waypoint(fields, node, world, frames, current));
   if (round.empty()) fields.fail(fields.take("waypoints"), "`waypoints` is empty");
   const int rounds = fields.integer("rounds", 1, 1, 100);
   const bool back = fields.flag("return", true);
@@ -213,6 +249,7 @@ World parse_world(const std::string& text, const std::string& file, const std::s
     top.text("description", "");
     world.ground = top.flag("ground", true);
     const StoreyFrames frames = read_storeys(top, world);
+    read_stairs(top, world);
     read_motion(top, world);
     read_building(top, world);
     read_lidar(top, world);

@@ -8,13 +8,22 @@
 
 namespace sgraph::sim {
 
+/// A floor that isn't flat.
+struct FloorLevel {
+  double z = 0;  ///< nominal [m]
+  Unevenness shape;
+};
+
 /// The robot's true motion along a route: twice continuously differentiable, so that accelerations exist. Corners are rounded with a curvature that
 /// rises and falls smoothly, speed keeps to the profile's limits of speed, acceleration, turn rate and turn acceleration, turns of more than 120
-/// degrees and turns at waypoints with a wait are made on the spot. While it moves it sways.
+/// degrees and turns at waypoints with a wait are made on the spot. While it moves it sways. On stairs and ramps it
+/// pitches with the slope, rounded over half a second.
 class Motion {
  public:
   /// Throws WorldError: two equal waypoints in a row, or a wished duration that no speed reaches.
-  Motion(const Route& route, const MotionProfile& profile, double floor_z, Unevenness floor = {});
+  Motion(const Route& route, const MotionProfile& profile, std::vector<FloorLevel> floors);
+  /// On flat floors; the heights of the waypoints count from `floor_z` [m].
+  Motion(const Route& route, const MotionProfile& profile, double floor_z);
 
   /// A walk recorded elsewhere: poses of base_link, at least four and at most a quarter of a second apart, joined smoothly (once continuously
   /// differentiable). The first stamp is time 0. Throws WorldError.
@@ -35,14 +44,13 @@ class Motion {
   [[nodiscard]] Eigen::Vector3d acceleration_at(double time) const;
 
  private:
-  using Sample = Eigen::Vector4d;  // x, y, heading (unwrapped), share of the sway
+  using Sample = Eigen::Matrix<double, 6, 1>;  // x, y, heading (unwrapped), share of the sway, z of the floor, slope along the way
 
   [[nodiscard]] Sample spline_at(double time) const;
   [[nodiscard]] Pose recorded_at(double time) const;
 
   MotionProfile profile_;
-  double floor_z_ = 0;
-  Unevenness floor_;
+  std::vector<FloorLevel> floors_;
   double duration_ = 0;
   Trajectory recorded_;
   std::vector<Sample> control_;  // of a uniform cubic B-spline

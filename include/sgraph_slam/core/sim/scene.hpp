@@ -10,7 +10,7 @@
 
 namespace sgraph::sim {
 
-enum class SurfaceKind { wall, floor, ceiling, column, furniture, glass, ground };
+enum class SurfaceKind { wall, floor, ceiling, column, furniture, glass, ground, stairs };
 
 const char* to_string(SurfaceKind value);
 

@@ -113,6 +113,8 @@ struct Storey {
   double height = 2.8;   ///< floor to ceiling [m]
   bool floor = true;
   bool ceiling = true;
+  std::vector<std::vector<Eigen::Vector2d>> floor_voids;    ///< axis-parallel rectangles (low and high corner) cut out of the floor, ...
+  std::vector<std::vector<Eigen::Vector2d>> ceiling_voids;  ///< ... and of the ceiling: stairwells, halls two storeys high
   Unevenness floor_shape;
   Unevenness ceiling_shape;
   std::vector<std::vector<Eigen::Vector2d>> outlines;  ///< of floor and ceiling, counter-clockwise; they may overlap
@@ -123,6 +125,21 @@ struct Storey {
   std::vector<Place> corridors;
   std::vector<PlaceSeed> seeds;
   std::vector<Region> regions;  ///< all places that its walls enclose, those with seeds first
+};
+
+/// A flight of stairs, or with `step` 0 a ramp: rises evenly from one end to the other.
+struct Flight {
+  Eigen::Vector3d begin = Eigen::Vector3d::Zero();  ///< middle of the foot of the first riser [m]
+  Eigen::Vector3d end = Eigen::Vector3d::Zero();    ///< middle of the edge of the floor that it reaches, at that floor's height [m]
+  double width = 1.2;                               ///< [m]
+  double step = 0.17;                               ///< height of a step, about [m]
+};
+
+/// A landing between flights: a slab.
+struct Landing {
+  Eigen::Vector2d low = Eigen::Vector2d::Zero();
+  Eigen::Vector2d high = Eigen::Vector2d::Zero();
+  double z = 0;  ///< of its top [m]
 };
 
 /// Somebody who walks a line there and back.
@@ -138,6 +155,7 @@ struct Person {
 struct Waypoint {
   Eigen::Vector2d position = Eigen::Vector2d::Zero();
   double wait = 0;  ///< the robot stands here this long [s]; 0: it passes
+  double z = 0;     ///< of the floor [m]; between waypoints it rises evenly: stairs, ramps
   int line = 0;
 };
 
@@ -196,6 +214,8 @@ struct World {
   std::string name;
   std::string file;  ///< for messages
   std::vector<Storey> storeys;
+  std::vector<Flight> flights;
+  std::vector<Landing> landings;
   std::vector<Person> people;
   Route route;
   MotionProfile motion;
@@ -216,6 +236,9 @@ World parse_world(const std::string& text, const std::string& file = "world", co
 /// and ceilings sloped and wavy; columns and furniture standing on them; rooms measured anew between the walls. Throws WorldError where the route
 /// does not fit any more.
 World with_building_errors(const World& world);
+
+/// Steps of the flights as blocks, landings as blocks; ramps as very low steps, or not at all without `ramps`.
+std::vector<Block> stairs_of(const World& world, bool ramps);
 
 /// The same building on another day: the route the other way about from another start and with another heading, three pieces of furniture in ten
 /// moved by 0.3 to 1 m, one door in four shut (what lies behind it is left out of the route) - each as far as the robot still gets through.
