@@ -3,6 +3,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <filesystem>
+
 namespace sgraph {
 namespace {
 
@@ -28,6 +30,21 @@ TEST(Settings, NumbersKeepAllTheirDigits) {
 }
 
 TEST(Settings, NoTreeMeansDefaults) { EXPECT_TRUE(to_values(XmlRpc::XmlRpcValue()).empty()); }
+
+// The files that are shipped name only parameters that exist, with values in their range.
+TEST(Settings, EveryShippedConfigurationLoads) {
+  int files = 0;
+  for (const auto& entry : std::filesystem::directory_iterator("config")) {
+    if (entry.path().extension() != ".yaml") continue;
+    ++files;
+    Settings settings;
+    EXPECT_NO_THROW(apply_values(read_yaml_values(entry.path().string()), [&settings](ParamVisitor& v) {
+      settings.params.describe(v);
+      v.group("ros", settings.ros, "");
+    })) << entry.path();
+  }
+  EXPECT_GE(files, 10);
+}
 
 TEST(Settings, RefusesListsAndNamesAllOfThem) {
   XmlRpc::XmlRpcValue tree;
