@@ -169,7 +169,7 @@ void RingCalibrator::insert(const Vector3& p, const Vector3& sensor) {
 void RingCalibrator::flatten(Voxel& voxel, const Vector3& sensor) {
   const Vector3 mean = voxel.sum / voxel.count;
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(voxel.outer / voxel.count - mean * mean.transpose());
-  const Vector3 variances = solver.eigenvalues();
+  const Vector3& variances = solver.eigenvalues();
   if (variances[0] > flat_sigma * flat_sigma || variances[1] < wide_sigma * wide_sigma) return;
   voxel.mean = voxel.centre + mean;
   voxel.normal = solver.eigenvectors().col(0);

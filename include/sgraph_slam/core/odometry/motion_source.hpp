@@ -24,7 +24,7 @@ class MotionSource {
   virtual void add(const ImuSample& sample) = 0;
   virtual MotionOutput process(const CloudPtr& scan) = 0;
   /// From now on; a source that registers nothing never calls it.
-  virtual void observe_residuals(ResidualSink) {}
+  virtual void observe_residuals(ResidualSink) {}  // NOLINT(performance-unnecessary-value-param): kept by those that override it
   /// The scans that are not final yet.
   virtual std::vector<FinalScan> finish() = 0;
 };
