@@ -173,7 +173,10 @@ Eigen::AlignedBox2i bounds_of(const std::vector<Sweep>& sweeps) {
   return bounds;
 }
 
-std::int64_t area(const Eigen::AlignedBox2i& bounds) { return (std::int64_t{bounds.sizes().x()} + 3) * (std::int64_t{bounds.sizes().y()} + 3); }
+std::int64_t area(const Eigen::AlignedBox2i& bounds) {
+  if (bounds.isEmpty()) return 0;  // its sizes would overflow
+  return (std::int64_t{bounds.sizes().x()} + 3) * (std::int64_t{bounds.sizes().y()} + 3);
+}
 
 }  // namespace
 
