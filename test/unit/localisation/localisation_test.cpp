@@ -7,22 +7,12 @@
 #include "sgraph_slam/core/localisation/localiser.hpp"
 #include "sgraph_slam/core/mapping/back_end.hpp"
 #include "support/mapped_building.hpp"
+#include "support/mapping_run.hpp"
 
 namespace sgraph {
 namespace {
 
 using Way = std::vector<Eigen::Vector2d>;
-
-// Four rooms on both sides of a corridor, 15 cm walls, open doors.
-MappedBuilding office() {
-  MappedBuilding building;
-  building.add_room(0, 5.8, 18.85, 7.85, {{{4.0, 5.0}, {13.0, 14.0}}, {}, {{3.85, 4.85}, {13.85, 14.85}}, {}});
-  building.add_room(0, 0, 9.05, 5.65, {{}, {}, {{4.05, 5.05}}, {}});
-  building.add_room(9.2, 0, 18.85, 5.65, {{}, {}, {{4.85, 5.85}}, {}});
-  building.add_room(0, 8.0, 7.85, 13.85, {{{4.0, 5.0}}, {}, {}, {}});
-  building.add_room(8.0, 8.0, 18.85, 13.85, {{{6.0, 7.0}}, {}, {}, {}});
-  return building;
-}
 
 Way office_way() {
   return {{2, 2},     {7, 2},   {7, 4},   {4.5, 4.5}, {4.5, 6.8},  {13.5, 6.8}, {13.5, 4}, {17, 3}, {11, 2}, {13.5, 4}, {13.5, 6.8}, {14.5, 6.8},
