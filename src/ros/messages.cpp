@@ -20,6 +20,8 @@ std::optional<Trajectory> trajectory_of(const std::vector<sgraph_slam::StampedPo
   return trajectory;
 }
 
+bool is_covariance(const Matrix6& m) { return m.allFinite() && (m.diagonal().array() >= 0).all(); }
+
 }  // namespace
 
 geometry_msgs::Pose to_message(const Pose& pose) {
@@ -56,6 +58,9 @@ sgraph_slam::Keyframe to_message(const Keyframe& keyframe, const Pose& T_base_li
   message.base_to_lidar = to_message(T_base_lidar);
   to_rows<6>(keyframe.covariance, message.covariance);
   message.degenerate = to_twists(keyframe.degenerate);
+  message.measured = keyframe.measured.has_value();
+  message.motion = to_message(keyframe.measured ? keyframe.measured->T_last_now : Pose{});
+  if (keyframe.measured) to_rows<6>(keyframe.measured->covariance, message.motion_covariance);
   message.scans.resize(keyframe.scans.size());
   for (std::size_t i = 0; i < keyframe.scans.size(); ++i) {
     message.scans[i].stamp = to_ros_time(keyframe.scans[i].stamp);
@@ -81,8 +86,13 @@ std::optional<ReceivedKeyframe> from_message(const sgraph_slam::Keyframe& messag
   keyframe.covariance = from_rows<6>(message.covariance);
   keyframe.degenerate = directions_of(message.degenerate);
   keyframe.scans = std::move(*scans);
-  const bool good =
-      keyframe.id.valid() && keyframe.covariance.allFinite() && (keyframe.covariance.diagonal().array() >= 0).all() && finite(keyframe.degenerate);
+  bool good = keyframe.id.valid() && is_covariance(keyframe.covariance) && finite(keyframe.degenerate);
+  if (message.measured) {
+    const std::optional<Pose> motion = from_message(message.motion);
+    if (!motion) return {};
+    keyframe.measured = KeyframeMotion{*motion, from_rows<6>(message.motion_covariance)};
+    good = good && is_covariance(keyframe.measured->covariance);
+  }
   return good ? std::optional(std::move(received)) : std::nullopt;
 }
 

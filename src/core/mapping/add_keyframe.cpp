@@ -31,10 +31,11 @@ bool add_keyframe(MapState& state, const Keyframe& keyframe, const KeyframeCloud
     committer.note(false, "keyframe/" + std::to_string(keyframe.id.value), reason);
     return false;
   };
-  if (!finite(keyframe.T_odom_base) || !keyframe.covariance.allFinite()) return refuse("not finite");
+  const bool measured_well = !keyframe.measured || (finite(keyframe.measured->T_last_now) && keyframe.measured->covariance.allFinite());
+  if (!finite(keyframe.T_odom_base) || !keyframe.covariance.allFinite() || !measured_well) return refuse("not finite");
   if (!keyframe.id.valid() || (!state.keyframes.empty() && !(committer.newest() < keyframe.id))) return refuse("not newer than the last");
   const Pose claimed = state.keyframes.empty() ? Pose{} : state.keyframes.rbegin()->second.T_odom_base.inverse() * keyframe.T_odom_base;
-  const KeyframeMotion motion = state.submap.add(keyframe, {claimed, keyframe.covariance});
+  const KeyframeMotion motion = keyframe.measured.value_or(KeyframeMotion{claimed, keyframe.covariance});
   const Matrix6 covariance = floored(motion.covariance, keyframe, state.params.factors);
   Transaction edit;
   edit.reason = "keyframe/" + std::to_string(keyframe.id.value);

@@ -123,6 +123,7 @@ class BackEnd::Implementation {
     if (state_.keyframes.rbegin()->first.value < session.first) {  // it joins the session before by where it was found, not by odometry
       keyframe.covariance = session.covariance;
       keyframe.degenerate.clear();
+      keyframe.measured.reset();
     }
     keyframe.id.value += session.first;
     keyframe.T_odom_base = session.T_odom_own * keyframe.T_odom_base;

@@ -1,6 +1,7 @@
 #include "sgraph_slam/core/odometry/odometry.hpp"
 
 #include "sgraph_slam/core/odometry/external_odometry.hpp"
+#include "sgraph_slam/core/odometry/keyframe_registration.hpp"
 #include "sgraph_slam/core/odometry/keyframe_selector.hpp"
 #include "sgraph_slam/core/odometry/lidar_odometry.hpp"
 #include "sgraph_slam/core/odometry/ring_calibrator.hpp"
@@ -41,7 +42,8 @@ class Odometry::Implementation {
   Implementation(const OdometryParams& params, const Pose& T_base_lidar)
       : T_base_lidar_(T_base_lidar),
         calibrator_(calibration_params(params)),
-        keyframes_(keyframe_params(params), T_base_lidar, params.source == "topic" ? reckoning_drift : map_drift) {
+        keyframes_(keyframe_params(params), T_base_lidar, params.source == "topic" ? reckoning_drift : map_drift),
+        registration_(params.registration, T_base_lidar) {
     if (params.source == "topic") {
       source_ = std::make_unique<ExternalOdometry>(T_base_lidar);
     } else {
@@ -67,7 +69,7 @@ class Odometry::Implementation {
   OdometryOutput finish() {
     OdometryOutput output;
     for (const FinalScan& final : source_->finish()) take(final, output);
-    if (auto keyframe = keyframes_.finish()) output.keyframes.push_back(std::move(*keyframe));
+    if (auto keyframe = keyframes_.finish()) give(*std::move(keyframe), output);
     return output;
   }
 
@@ -75,13 +77,19 @@ class Odometry::Implementation {
   void take(const FinalScan& final, OdometryOutput& output) {
     output.finals.push_back({final.stamp, final.T_odom_base});
     if (final.accepted) calibrator_.add(*final.cloud, final.T_odom_base * T_base_lidar_);
-    if (auto keyframe = keyframes_.add(final)) output.keyframes.push_back(std::move(*keyframe));
+    if (auto keyframe = keyframes_.add(final)) give(*std::move(keyframe), output);
+  }
+
+  void give(Keyframe keyframe, OdometryOutput& output) {
+    keyframe.measured = registration_.measure(keyframe);
+    output.keyframes.push_back(std::move(keyframe));
   }
 
   Pose T_base_lidar_;
   RingCalibrator calibrator_;
   std::unique_ptr<MotionSource> source_;
   KeyframeSelector keyframes_;
+  KeyframeRegistration registration_;
 };
 
 Odometry::Odometry(const OdometryParams& params, const Pose& T_base_lidar)

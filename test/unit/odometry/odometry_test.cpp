@@ -375,5 +375,41 @@ TEST(Odometry, InterpolatesTheRobotsOdometry) {
   EXPECT_EQ(odometry.process(scan_at(5.0)).verdict, ScanVerdict::no_odometry);
 }
 
+// Wheels that slip by a tenth: the scans say how far it was.
+TEST(Odometry, KeyframesOfWheelsCarryTheMotionThatTheirScansShow) {
+  sim::Scene scene(test::box({-4, -3, 0}, {4, 3, 2.6}));
+  OdometryParams params;
+  params.source = "topic";
+  Odometry odometry(params, {Eigen::Quaterniond::Identity(), {0, 0, 1.2}});
+  constexpr double speed = 0.8;
+  constexpr double slipping = 0.9;
+  const Prefilter prefilter({});
+  for (int i = 0; i <= 300; ++i) {
+    const double time = 0.01 * i;
+    odometry.add(OdometrySample{Stamp::from_seconds(time), {Eigen::Quaterniond::Identity(), {slipping * speed * time, 0, 0}}, Matrix6::Zero()});
+  }
+  std::vector<Keyframe> keyframes;
+  std::vector<double> at;
+  for (int i = 1; i < 29; ++i) {
+    const double time = 0.1 * i;
+    const Pose T_world_lidar{Eigen::Quaterniond::Identity(), {speed * time - 1, 0.3, 1.2}};
+    Cloud scan = test::static_scan(scene, T_world_lidar, 0.02, static_cast<std::uint64_t>(i));
+    for (Point& point : scan.points) point.time = 0;
+    scan.stamp = Stamp::from_seconds(time);
+    const OdometryOutput output = odometry.process(prefilter.process(scan).cloud);
+    for (const Keyframe& keyframe : output.keyframes) {
+      keyframes.push_back(keyframe);
+      at.push_back(speed * time);
+    }
+  }
+  ASSERT_GE(keyframes.size(), 3U);
+  EXPECT_FALSE(keyframes[0].measured);
+  for (std::size_t i = 1; i < keyframes.size(); ++i) {
+    ASSERT_TRUE(keyframes[i].measured) << i;
+    const double way = at[i] - at[i - 1];
+    EXPECT_NEAR(keyframes[i].measured->T_last_now.translation.x(), way, 0.01) << "claimed " << slipping * way;
+  }
+}
+
 }  // namespace
 }  // namespace sgraph

@@ -53,6 +53,7 @@ Keyframe random_keyframe(unsigned seed) {
   keyframe.stamp = {1'700'000'000'123'456'789 + static_cast<std::int64_t>(seed)};
   keyframe.T_odom_base = draw.pose();
   keyframe.covariance = draw.covariance<6>();
+  if (seed % 2 == 0) keyframe.measured = KeyframeMotion{draw.pose(), draw.covariance<6>()};
   for (unsigned i = 0; i < seed % 3; ++i) keyframe.degenerate.push_back(draw.direction());
   for (unsigned i = 0; i <= seed % 7; ++i) keyframe.scans.push_back({{keyframe.stamp.nanoseconds - 100'000'001 * (seed % 7 - i)}, draw.pose()});
   return keyframe;
@@ -93,6 +94,11 @@ TEST(Messages, KeyframeComesBack) {
     expect_same(back.T_odom_base, sent.T_odom_base);
     EXPECT_EQ(back.covariance, sent.covariance);
     EXPECT_EQ(back.degenerate, sent.degenerate);
+    ASSERT_EQ(back.measured.has_value(), sent.measured.has_value());
+    if (sent.measured) {
+      expect_same(back.measured->T_last_now, sent.measured->T_last_now);
+      EXPECT_EQ(back.measured->covariance, sent.measured->covariance);
+    }
     ASSERT_EQ(back.scans.size(), sent.scans.size());
     for (std::size_t i = 0; i < sent.scans.size(); ++i) {
       EXPECT_EQ(back.scans[i].stamp, sent.scans[i].stamp);

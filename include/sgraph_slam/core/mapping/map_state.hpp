@@ -10,7 +10,6 @@
 #include "sgraph_slam/core/graph/recent_solver.hpp"
 #include "sgraph_slam/core/loops/close_loop.hpp"
 #include "sgraph_slam/core/mapping/params.hpp"
-#include "sgraph_slam/core/mapping/submap.hpp"
 #include "sgraph_slam/core/places/topological_layer.hpp"
 #include "sgraph_slam/core/planes/plane_layer.hpp"
 #include "sgraph_slam/core/types/decision.hpp"
@@ -33,7 +32,6 @@ struct MapState {
       : params(p),
         clouds(std::move(clouds_)),
         planes({p.factors, p.association, p.semantics, p.merging}, T_base_lidar),
-        submap(p.submap, T_base_lidar),
         layer({p.topology, p.rooms, p.corridors, p.merging}),
         loops{p.loops, T_base_lidar, {}} {}
 
@@ -43,7 +41,6 @@ struct MapState {
   RecentSolver recent;
   std::map<KeyframeId, SceneKeyframe> keyframes;  ///< T_map_base as of the last snapshot: the graph has the estimates
   PlaneLayer planes;
-  Submap submap;
   TopologicalLayer layer;
   LoopCloser loops;
   std::vector<SceneOpening> openings;

@@ -7,22 +7,6 @@
 
 namespace sgraph {
 
-/// Motions between keyframes measured by their scans where the odometry is poor.
-struct SubmapParams {
-  bool enabled = true;
-  double min_sigma = 0.01;
-  double leaf = 0.2;
-  double min_inliers = 0.3;
-
-  void describe(ParamVisitor& v) {
-    v.field("enabled", enabled, "Measure the motion between keyframes by their scans where the odometry is poor.");
-    v.field("min_sigma", min_sigma, "rad", {0, 1},
-            "Poor means: the standard deviation of the rotation between keyframes, tilt included, is at least this; of wheels it is always.");
-    v.field("leaf", leaf, "m", {0.05, 2}, "One point in a voxel of this edge is registered.");
-    v.field("min_inliers", min_inliers, "", {0, 1}, "Below this share of matched points the odometry is believed.");
-  }
-};
-
 /// When the graph is solved, and how.
 struct SolveParams {
   int window = 8;
@@ -52,7 +36,6 @@ struct MappingParams {
   TopologyParams topology;
   RoomParams rooms;
   CorridorParams corridors;
-  SubmapParams submap;
   LoopParams loops;
   SolveParams solving;
 
@@ -65,7 +48,6 @@ struct MappingParams {
     v.group("topology", topology, "Factors of rooms and corridors.");
     v.group("rooms", rooms, "Which walls make a room.");
     v.group("corridors", corridors, "Which walls make a corridor.");
-    v.group("submap", submap, "Motions between keyframes where the odometry is poor.");
     v.group("loops", loops, "Loop closure by scan matching.");
     v.group("solving", solving, "When the graph is solved, and how.");
   }

@@ -59,12 +59,29 @@ struct MotionParams {
   }
 };
 
+/// Motions between keyframes measured by their scans, where the odometry is poor.
+struct KeyframeRegistrationParams {
+  bool enabled = true;
+  double min_sigma = 0.01;
+  double leaf = 0.2;
+  double min_inliers = 0.3;
+
+  void describe(ParamVisitor& v) {
+    v.field("enabled", enabled, "Measure the motion between keyframes by their scans where the odometry is poor.");
+    v.field("min_sigma", min_sigma, "rad", {0, 1},
+            "Poor means: the standard deviation of the rotation between keyframes, tilt included, is at least this; of wheels it is always.");
+    v.field("leaf", leaf, "m", {0.05, 2}, "One point in a voxel of this edge is registered.");
+    v.field("min_inliers", min_inliers, "", {0, 1}, "Below this share of matched points the odometry is believed.");
+  }
+};
+
 struct OdometryParams {
   std::string source = "vgicp";
   SurfaceMapParams map;
   double map_leaf = 0.1;
   MotionParams motion;
   KeyframeParams keyframe;
+  KeyframeRegistrationParams registration;
   CalibrationParams calibration;
 
   void describe(ParamVisitor& v) {
@@ -73,6 +90,7 @@ struct OdometryParams {
     v.field("map_leaf", map_leaf, "m", {0, 5}, "One point in a voxel of this edge of each scan enters the map; 0: all.");
     v.group("motion", motion, "Motion within the scan, solved together with the pose.");
     v.group("keyframe", keyframe, "When a keyframe is closed, and what it holds.");
+    v.group("registration", registration, "Motions between keyframes where the odometry is poor.");
     v.group("calibration", calibration, "Errors of the LiDAR's beams (docs/sensors.md).");
   }
 };

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "sgraph_slam/core/types/cloud.hpp"
@@ -33,6 +34,12 @@ struct OdometryEstimate {
   std::vector<Vector6> degenerate;  ///< unit directions (rotation, translation; base frame) that the data doesn't hold
 };
 
+/// A motion between two keyframes and its covariance (rotation [rad^2], translation [m^2]; right perturbation).
+struct KeyframeMotion {
+  Pose T_last_now;
+  Matrix6 covariance;
+};
+
 /// A pose worth remembering, closed when its pose is final; every scan belongs to exactly one keyframe.
 struct Keyframe {
   KeyframeId id;
@@ -40,6 +47,7 @@ struct Keyframe {
   Pose T_odom_base;                          ///< final pose at the stamp
   Matrix6 covariance = Matrix6::Identity();  ///< of the motion since the last keyframe; rotation, translation; right perturbation
   std::vector<Vector6> degenerate;           ///< unit directions of that motion that the data doesn't hold
+  std::optional<KeyframeMotion> measured;    ///< that motion as its scan holds it, where the odometry says too little of it (wheels, legs)
   Trajectory scans;                          ///< final base poses in odom of the scans since the last keyframe, this one's last
   CloudPtr cloud;                            ///< in the LiDAR's frame at the stamp, motion taken out
 };

@@ -1,4 +1,4 @@
-#include "sgraph_slam/core/mapping/submap.hpp"
+#include "sgraph_slam/core/odometry/keyframe_registration.hpp"
 
 #include <gtest/gtest.h>
 
@@ -40,55 +40,57 @@ CloudPtr room_seen_from(const Pose& T_room_lidar) {
   return cloud;
 }
 
-Keyframe keyframe_at(const Pose& T_room_base) {
-  Keyframe keyframe;
-  keyframe.cloud = room_seen_from(T_room_base);
-  return keyframe;
-}
-
 Matrix6 covariance(double angle, double distance) {
   Vector6 variance;
   variance << Eigen::Vector3d::Constant(angle * angle), Eigen::Vector3d::Constant(distance * distance);
   return variance.asDiagonal();
 }
 
+// A keyframe taken at `T_room_base`, of which its odometry says `T_odom_base`.
+Keyframe keyframe_at(const Pose& T_room_base, const Pose& T_odom_base, const Matrix6& uncertainty) {
+  Keyframe keyframe;
+  keyframe.cloud = room_seen_from(T_room_base);
+  keyframe.T_odom_base = T_odom_base;
+  keyframe.covariance = uncertainty;
+  return keyframe;
+}
+
+const Matrix6 poor = covariance(0.015, 0.02);
 const Pose motion = se3_exp((Vector6() << 0.015, -0.01, 0.2, 0.6, 0.1, 0.01).finished());
 const Pose wrong = motion * se3_exp((Vector6() << 0.015, -0.01, 0.02, 0.04, -0.03, 0.01).finished());
 
-double error(const KeyframeMotion& found) { return se3_log(motion.inverse() * found.T_last_now).norm(); }
-
-TEST(Submap, MeasuresAMotionThatTheOdometryKnowsPoorly) {
-  Submap submap({}, {});
-  submap.add(keyframe_at({}), {{}, covariance(0.015, 0.02)});
-  const KeyframeMotion found = submap.add(keyframe_at(motion), {wrong, covariance(0.015, 0.02)});
-  EXPECT_LT(error(found), 0.005);
-  EXPECT_LT(found.covariance.trace(), covariance(0.015, 0.02).trace());
+TEST(KeyframeRegistration, MeasuresAMotionThatTheOdometryKnowsPoorly) {
+  KeyframeRegistration registration({}, {});
+  EXPECT_FALSE(registration.measure(keyframe_at({}, {}, poor)));
+  const auto found = registration.measure(keyframe_at(motion, wrong, poor));
+  ASSERT_TRUE(found);
+  EXPECT_LT(se3_log(motion.inverse() * found->T_last_now).norm(), 0.005);
+  EXPECT_LT(found->covariance.trace(), poor.trace());
 }
 
-TEST(Submap, LeavesAGoodOdometryAlone) {
-  Submap submap({}, {});
-  submap.add(keyframe_at({}), {{}, covariance(0.001, 0.02)});
-  const KeyframeMotion found = submap.add(keyframe_at(motion), {wrong, covariance(0.001, 0.02)});
-  EXPECT_EQ(se3_log(wrong.inverse() * found.T_last_now).norm(), 0);
-  EXPECT_EQ(found.covariance, covariance(0.001, 0.02));
+TEST(KeyframeRegistration, LeavesAGoodOdometryAlone) {
+  KeyframeRegistration registration({}, {});
+  registration.measure(keyframe_at({}, {}, covariance(0.001, 0.02)));
+  EXPECT_FALSE(registration.measure(keyframe_at(motion, wrong, covariance(0.001, 0.02))));
 }
 
-TEST(Submap, BelievesTheOdometryWhereNothingMatches) {
-  Submap submap({}, {});
-  submap.add(keyframe_at({}), {{}, covariance(0.015, 0.02)});
-  Keyframe elsewhere = keyframe_at({});
+TEST(KeyframeRegistration, BelievesTheOdometryWhereNothingMatches) {
+  KeyframeRegistration registration({}, {});
+  registration.measure(keyframe_at({}, {}, poor));
+  Keyframe elsewhere = keyframe_at({}, motion, poor);
   auto far = std::make_shared<Cloud>(*elsewhere.cloud);
   for (Point& point : far->points) point.x += 40;
   elsewhere.cloud = far;
-  const KeyframeMotion found = submap.add(elsewhere, {motion, covariance(0.015, 0.02)});
-  EXPECT_LT(error(found), 1e-12);
-  EXPECT_EQ(found.covariance, covariance(0.015, 0.02));
+  EXPECT_FALSE(registration.measure(elsewhere));
+  const Keyframe back = keyframe_at({}, motion, poor);
+  EXPECT_FALSE(registration.measure(back)) << "it has begun anew elsewhere";
+  EXPECT_TRUE(registration.measure(back));
 }
 
 // A long bare corridor says nothing of the way along it: there the odometry's own uncertainty stays.
-TEST(Submap, SaysWhatTheSubmapDoesNotHold) {
+TEST(KeyframeRegistration, SaysWhatTheScanDoesNotHold) {
   const auto corridor = [](const Pose& T) {
-    Keyframe keyframe = keyframe_at(T);
+    Keyframe keyframe = keyframe_at(T, T, covariance(0.015, 0.2));
     auto open = std::make_shared<Cloud>();
     for (const Point& point : keyframe.cloud->points) {
       if (std::abs((T * point.position().cast<double>()).x()) < 2.9) open->points.push_back(point);
@@ -96,12 +98,12 @@ TEST(Submap, SaysWhatTheSubmapDoesNotHold) {
     keyframe.cloud = open;
     return keyframe;
   };
-  Submap submap({}, {});
-  submap.add(corridor({}), {{}, covariance(0.015, 0.2)});
-  const Pose along = se3_exp((Vector6() << 0, 0, 0, 0.3, 0, 0).finished());
-  const KeyframeMotion found = submap.add(corridor(along), {along, covariance(0.015, 0.2)});
-  EXPECT_GT(std::sqrt(found.covariance(3, 3)), 0.15);
-  EXPECT_LT(std::sqrt(found.covariance(4, 4)), 0.05);
+  KeyframeRegistration registration({}, {});
+  registration.measure(corridor({}));
+  const auto found = registration.measure(corridor(se3_exp((Vector6() << 0, 0, 0, 0.3, 0, 0).finished())));
+  ASSERT_TRUE(found);
+  EXPECT_GT(std::sqrt(found->covariance(3, 3)), 0.15);
+  EXPECT_LT(std::sqrt(found->covariance(4, 4)), 0.05);
 }
 
 }  // namespace
