@@ -23,7 +23,7 @@ AcceptanceVerdict Acceptance::accept_or_reject(const WindowResult& solved, const
   // A scan that ended far from its prediction must be supported better than one that is where it was expected (a doorway shows little that is known).
   const bool far = alignment.rotation > far_rotation || alignment.translation > far_translation;
   const double needed = std::max(min_inliers_, far ? far_share * usual_share_ : 0.0);
-  if (solved.inlier_share >= needed && solved.agreement >= least_agreement && plausible(last_known(end.time, up), alignment, end.pose)) {
+  if (solved.inlier_share >= needed && solved.agreement >= least_agreement && plausible(robot_, last_known(end.time, up), alignment, end.pose)) {
     before_ = known_;
     known_ = end;
     rejected_ = 0;

@@ -14,12 +14,10 @@ namespace sgraph {
 namespace {
 
 constexpr std::size_t fewest_points = 50;
-constexpr double no_times = 1e-3;                   // clouds whose points span less [s] have one pose
-constexpr double broken_motion = 0.05;              // [s] between scans after which what the last one shows of the velocity is too little
-constexpr double covariance_scale = 9.0;            // points on one surface share its errors: their residuals are not independent
-constexpr double usual_acceleration = 1.0;          // [m/s^2], and
-constexpr double usual_angular_acceleration = 3.0;  // [rad/s^2] of a robot or a person, by which a predicted motion goes wrong
-constexpr int first_rounds = 4;                     // of finding the motion during the first scan
+constexpr double no_times = 1e-3;         // clouds whose points span less [s] have one pose
+constexpr double broken_motion = 0.05;    // [s] between scans after which what the last one shows of the velocity is too little
+constexpr double covariance_scale = 9.0;  // points on one surface share its errors: their residuals are not independent
+constexpr int first_rounds = 4;           // of finding the motion during the first scan
 
 CloudPtr moved(const Cloud& cloud, const Pose& T) {
   auto result = std::make_shared<Cloud>(cloud);
@@ -42,7 +40,7 @@ LidarOdometry::LidarOdometry(const OdometryParams& params, const Pose& T_base_li
       sensors_(T_base_lidar),
       local_(params),
       window_(params.motion),
-      acceptance_(params.motion.min_inliers) {}
+      acceptance_(params.motion.min_inliers, params.robot) {}
 
 MotionOutput LidarOdometry::process(const CloudPtr& cloud) {
   MotionOutput output;
@@ -202,8 +200,8 @@ void LidarOdometry::keep_prediction(const Knots& predicted, const AcceptanceVerd
   // Nothing holds it but what a robot can do in the time.
   const double time = scan.end - acceptance_.last_known(scan.end, local_.up()).knot.time;
   scan.covariance.setZero();
-  scan.covariance.diagonal().head<3>().setConstant(std::pow(0.5 * usual_angular_acceleration * time * time, 2));
-  scan.covariance.diagonal().tail<3>().setConstant(std::pow(0.5 * usual_acceleration * time * time, 2));
+  scan.covariance.diagonal().head<3>().setConstant(std::pow(0.5 * params_.robot.angular_acceleration * time * time, 2));
+  scan.covariance.diagonal().tail<3>().setConstant(std::pow(0.5 * params_.robot.acceleration * time * time, 2));
   for (int i = 0; i < 6; ++i) scan.degenerate.push_back(Vector6::Unit(i));
 }
 

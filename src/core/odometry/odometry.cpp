@@ -28,6 +28,9 @@ KeyframeParams keyframe_params(const OdometryParams& params) {
   return keyframe;
 }
 
+// Scale, heading and slips of wheels or legs, which hardly average out.
+DriftRate reckoning_drift(const RobotParams& robot) { return {robot.odometry_heading, robot.odometry_turning, robot.odometry_scale}; }
+
 // Poses from wheels are off by more than what the beams are.
 CalibrationParams calibration_params(const OdometryParams& params) {
   CalibrationParams calibration = params.calibration;
@@ -42,7 +45,7 @@ class Odometry::Implementation {
   Implementation(const OdometryParams& params, const Pose& T_base_lidar)
       : T_base_lidar_(T_base_lidar),
         calibrator_(calibration_params(params)),
-        keyframes_(keyframe_params(params), T_base_lidar, params.source == "topic" ? reckoning_drift : map_drift),
+        keyframes_(keyframe_params(params), T_base_lidar, params.source == "topic" ? reckoning_drift(params.robot) : map_drift),
         registration_(params.registration, T_base_lidar) {
     if (params.source == "topic") {
       source_ = std::make_unique<ExternalOdometry>(T_base_lidar);

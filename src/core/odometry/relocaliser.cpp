@@ -55,11 +55,11 @@ RigidAlignmentResult find_start(const MapUpdater& local, const Acceptance& accep
   for (const Pose& start : other_starts(known, predicted, pose_at(query.knots, query.last_end), upright)) {
     search.start = start;
     const RigidAlignmentResult other = align_rigidly(local.map(), few, search);
-    if (plausible(known, other, other.correction * predicted) && other.support > found.support) found = other;
+    if (plausible(acceptance.robot(), known, other, other.correction * predicted) && other.support > found.support) found = other;
   }
   options.start = found.correction;
   found = align_rigidly(local.map(), points, options);
-  if (plausible(known, found, found.correction * predicted) && found.support > clearly_better * best.support) best = found;
+  if (plausible(acceptance.robot(), known, found, found.correction * predicted) && found.support > clearly_better * best.support) best = found;
   return best;
 }
 

@@ -8,33 +8,26 @@
 namespace sgraph {
 namespace {
 
-constexpr double searched_rotation = 1.5;    // [rad/s] to either side,
-constexpr int fewest_rotations = 9;          // at least this many
-constexpr int most_rotations = 31;           // and at most this many
-constexpr double rotation_step = 0.1;        // [rad] of these
-constexpr double some_rotation = 0.1;        // [rad], and
-constexpr double some_translation = 0.15;    // [m] that a correction may always have
-constexpr double fastest_rotation = 4.0;     // [rad/s], and
-constexpr double fastest_translation = 3.0;  // [m/s]: motions, and changes of the motion, beyond which a result is not believed
-constexpr double step_up = 0.15;             // [m] of height, and
-constexpr double tilt_at_once = 0.15;        // [rad] of tilt that anything may change by between two scans, and
-constexpr double fastest_climb = 0.5;        // [m/s], and
-constexpr double fastest_tilt = 1.0;         // [rad/s]: what robots and people add to that as time goes by,
-constexpr double widest_tilt = 0.4;          // [rad] at most
+constexpr double searched_rotation = 1.5;  // [rad/s] to either side,
+constexpr int fewest_rotations = 9;        // at least this many
+constexpr int most_rotations = 31;         // and at most this many
+constexpr double rotation_step = 0.1;      // [rad] of these
+constexpr double some_rotation = 0.1;      // [rad], and
+constexpr double some_translation = 0.15;  // [m] that a correction may always have
+constexpr double tilt_at_once = 0.15;      // [rad] that anything may tilt by between two scans
 
 }  // namespace
 
-bool plausible(const LastKnown& known, const RigidAlignmentResult& alignment, const Pose& now) {
+bool plausible(const RobotParams& robot, const LastKnown& known, const RigidAlignmentResult& alignment, const Pose& now) {
   const double lost_for = known.lost_for();
   const Pose& before = known.knot.pose;
   const Eigen::Vector3d turned = now.rotation * (before.rotation.conjugate() * known.up);
   const double tilt = std::acos(std::clamp(turned.dot(known.up), -1.0, 1.0));
-  const double most_tilt = std::min(tilt_at_once + fastest_tilt * lost_for, widest_tilt);
+  const double most_tilt = std::min(tilt_at_once + robot.tilt_rate * lost_for, robot.tilt);
   const Eigen::Vector3d translation = now.translation - before.translation;
-  return alignment.rotation < some_rotation + fastest_rotation * lost_for &&
-         alignment.translation < some_translation + fastest_translation * lost_for &&
-         translation.norm() < some_translation + fastest_translation * lost_for && tilt < most_tilt &&
-         std::abs(translation.dot(known.up)) < step_up + fastest_climb * lost_for;
+  return alignment.rotation < some_rotation + robot.turn_rate * lost_for && alignment.translation < some_translation + robot.speed * lost_for &&
+         translation.norm() < some_translation + robot.speed * lost_for && tilt < most_tilt &&
+         std::abs(translation.dot(known.up)) < robot.step + robot.climb_rate * lost_for;
 }
 
 std::vector<Pose> other_starts(const LastKnown& known, const Pose& predicted, const Pose& held, const Eigen::Quaterniond& upright) {

@@ -17,7 +17,7 @@ struct AcceptanceVerdict {
 /// Decides whether a scan's registration is believed, from what the scans before it were like.
 class Acceptance {
  public:
-  explicit Acceptance(double min_inliers) : min_inliers_(min_inliers) {}
+  Acceptance(double min_inliers, const RobotParams& robot) : min_inliers_(min_inliers), robot_(robot) {}
 
   /// The first scan is accepted as it is.
   void start(const Knot& end) { known_ = end; }
@@ -32,6 +32,7 @@ class Acceptance {
   /// The motion between the ends of the last two accepted scans as a velocity (rotation, translation; LiDAR frame, a second); none when they are not
   /// the newest.
   [[nodiscard]] std::optional<Vector6> velocity() const;
+  [[nodiscard]] const RobotParams& robot() const { return robot_; }
   /// Scans in a row that were not accepted.
   [[nodiscard]] int rejected() const { return rejected_; }
   /// Share of the keypoints that match, over the last accepted scans; 0 before the first.
@@ -39,6 +40,7 @@ class Acceptance {
 
  private:
   double min_inliers_;
+  RobotParams robot_;
   int rejected_ = 0;
   Knot known_;                  // at the end of the last accepted scan,
   std::optional<Knot> before_;  // and of the one before

@@ -26,8 +26,7 @@ struct DriftRate {
   double translation;  ///< [m/m]
 };
 
-constexpr DriftRate map_drift{0.0005, 0, 0.003};         ///< of a pose held by a local map
-constexpr DriftRate reckoning_drift{0.005, 0.02, 0.03};  ///< of wheels or legs: scale, heading and slips, which hardly average out
+constexpr DriftRate map_drift{0.0005, 0, 0.003};  ///< of a pose held by a local map
 
 /// Decides by motion and time which scans become keyframes and gives every scan to exactly one. What it holds of the scans since the last keyframe is
 /// bounded by the area that they see, and one pose a scan.

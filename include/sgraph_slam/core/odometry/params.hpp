@@ -3,6 +3,7 @@
 #include <string>
 
 #include "sgraph_slam/core/odometry/ring_calibrator.hpp"
+#include "sgraph_slam/core/odometry/robot_params.hpp"
 #include "sgraph_slam/core/params/visitor.hpp"
 #include "sgraph_slam/core/registration/surface_map.hpp"
 
@@ -83,6 +84,7 @@ struct OdometryParams {
   KeyframeParams keyframe;
   KeyframeRegistrationParams registration;
   CalibrationParams calibration;
+  RobotParams robot;  ///< a group of its own, not described here
 
   void describe(ParamVisitor& v) {
     v.choice("source", source, {"vgicp", "topic"}, "LiDAR odometry of this package, or the robot's odometry.");

@@ -5,6 +5,7 @@
 #include <Eigen/Core>
 
 #include "sgraph_slam/core/odometry/motion.hpp"
+#include "sgraph_slam/core/odometry/robot_params.hpp"
 #include "sgraph_slam/core/registration/rigid_alignment.hpp"
 
 namespace sgraph {
@@ -21,9 +22,9 @@ struct LastKnown {
   [[nodiscard]] double lost_for() const { return time - knot.time; }
 };
 
-/// Whether a walking or driving robot can have needed the correction, and have come to `now` [LiDAR in odom], since then. Both stay on the floor: the
-/// height and the tilt change little.
-bool plausible(const LastKnown& known, const RigidAlignmentResult& alignment, const Pose& now);
+/// Whether the robot can have needed the correction, and have come to `now` [LiDAR in odom], since then. Robots that walk or drive stay on the floor:
+/// their height and tilt change little.
+bool plausible(const RobotParams& robot, const LastKnown& known, const RigidAlignmentResult& alignment, const Pose& now);
 
 /// Corrections of the prediction to try when it is far off: the predicted motion or none since the last scan (`held`), each set upright by `upright`
 /// and turned to the left and right, the further the longer nothing was accepted.

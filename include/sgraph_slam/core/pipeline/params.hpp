@@ -23,6 +23,7 @@ struct Params {
   void describe(ParamVisitor& v) {
     v.group("sensor", sensor, "Conventions of the LiDAR's clouds; `auto`: recognised from the first ones (docs/sensors.md).");
     v.group("prefilter", prefilter, "Thins a raw scan and drops what can't be a surface.");
+    v.group("robot", odometry.robot, "What carries the LiDAR can do.");
     v.group("odometry", odometry, "Motion of the robot, local map, keyframes.");
     v.group("segmentation", segmentation, "Planes in a keyframe's cloud.");
     v.group("mapping", mapping, "The S-Graph.");
