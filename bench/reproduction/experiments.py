@@ -83,7 +83,7 @@ ODOMETRY = Experiment('odometry', ['se1', 'cf1', 'le1'], [
     motion('motion_velocity', 'deskewed with the last velocity, one pose a scan', LAST_VELOCITY),
     motion('motion_none', 'not deskewed, one pose a scan', {'odometry.motion.model': 'none'}),
     motion('distribution', 'distribution to distribution (VGICP) instead of the distance along the normal', {'odometry.motion.residual': 'distribution'}),
-    motion('one_face', 'one Gaussian a voxel: the faces of a wall not kept apart', {'odometry.map.two_faces': 'false'}),
+    motion('one_face', 'one Gaussian a voxel: of the face of a wall seen first', {'odometry.map.two_faces': 'false'}),
     motion('one_segment', 'one piece of motion a scan', {'odometry.motion.segments': 1}),
     motion('three_segments', 'three pieces', {'odometry.motion.segments': 3}),
     motion('voxel_05', 'voxels of 0.5 m only', {'odometry.map.voxel': 0.5, 'odometry.map.levels': 1}),

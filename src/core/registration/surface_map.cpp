@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include <Eigen/Eigenvalues>
 
@@ -225,7 +224,7 @@ const Surface* SurfaceMap::match_in(const Level& level, const VoxelIndex::Cell& 
 
 const Surface* SurfaceMap::match(const Eigen::Vector3d& point, const Eigen::Vector3d& sensor, double gate, Reach reach) const {
   const Eigen::Vector3d ray = sensor - point;
-  const Query query{point, ray, params_.two_faces ? grazing * ray.norm() : -std::numeric_limits<double>::infinity(), gate};
+  const Query query{point, ray, grazing * ray.norm(), gate};
   const VoxelIndex::Cell cell = VoxelIndex::cell(point, inverse_finest_);
   const std::size_t levels = reach == Reach::own ? static_cast<std::size_t>(params_.levels) : levels_.size();
   for (std::size_t k = 0; k < levels; ++k) {

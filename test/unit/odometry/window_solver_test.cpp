@@ -64,6 +64,19 @@ TEST(WindowSolver, FindsTheKnotsWithEitherResidual) {
 }
 
 // Without ends the points say nothing of x: what little their Gaussians' errors say must not move the sensor, the prior goes on at the old velocity.
+// With one segment a scan the newest scan's points are those of the last segment alone.
+TEST(WindowSolver, JudgesByTheNewestScansPointsAlone) {
+  const Room furnished = room(true);
+  WindowProblem problem = moving(furnished, 1.0, {}, {0.001, 0.001});
+  for (Keypoint& point : problem.keypoints) {
+    point.newest = point.segment == 2;
+    if (!point.newest) point.p_lidar *= 0.5;
+  }
+  const WindowResult result = solve_window(furnished.map, problem, {});
+  EXPECT_GT(result.inlier_share, 0.8);
+  EXPECT_GT(result.agreement, 0.8);
+}
+
 TEST(WindowSolver, LeavesFreeDirectionsToThePrior) {
   const Room corridor = room(false);
   WindowProblem problem = moving(corridor, 1.0, {Eigen::Quaterniond::Identity(), {0, 0.03, 0}}, {0.0009, 0.0015});

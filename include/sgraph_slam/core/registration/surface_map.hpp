@@ -29,7 +29,7 @@ struct SurfaceMapParams {
     v.field("wide_levels", wide_levels, "", {0, 3},
             "Larger sizes, each twice the last, that only the first rough alignment of a scan may match where none of these does: for far walls of "
             "few stripes.");
-    v.field("two_faces", two_faces, "Keep the two faces of a wall apart by the side that they are seen from.");
+    v.field("two_faces", two_faces, "Keep a Gaussian for each face of a wall in a voxel; off, for comparison: for the face seen first.");
     v.field("min_points", min_points, "", {3, 1000}, "Points that a voxel's Gaussian needs before it is used.");
     v.field("max_points", max_points, "", {10, 100000}, "Points after which a Gaussian stops learning.");
     v.field("flat_ratio", flat_ratio, "", {0.001, 1}, "A Gaussian is flat when its smallest variance is at most this share of the next.");
