@@ -1,7 +1,8 @@
-#include "worst_error.hpp"
+#include "trajectory_error.hpp"
 
 #include <algorithm>
 
+#include "sgraph_slam/core/eval/evaluation.hpp"
 #include "sgraph_slam/core/math/se3.hpp"
 
 namespace sgraph::test {
@@ -14,5 +15,7 @@ double worst_error(const Trajectory& estimate, const Trajectory& truth) {
   }
   return worst;
 }
+
+double ate(const Trajectory& estimate, const Trajectory& truth) { return evaluate_trajectory(estimate, truth).absolute.translation.rmse; }
 
 }  // namespace sgraph::test
