@@ -142,20 +142,16 @@ void map_recording(BagSource& source, Pipeline& pipeline, bool quiet, RunInfo& i
   Stopwatch watch;
   double seconds = 0;
   try {
-    while (auto event = source.next()) {
-      if (interrupted) {
-        info.stopped_by = "interrupt";
-        break;
-      }
-      if (const auto* odometry = std::get_if<OdometrySample>(&*event)) pipeline.add(*odometry);
-      if (const auto* imu = std::get_if<ImuSample>(&*event)) pipeline.add(*imu);
-      const auto* scan = std::get_if<CloudPtr>(&*event);
-      if (scan == nullptr) continue;
-      pipeline.process(**scan);
+    const auto next = [&source]() -> std::optional<SensorEvent> {
+      if (interrupted) return std::nullopt;
+      return source.next();
+    };
+    pipeline.process_all(next, [&](const ScanRecord& newest) {
       seconds += 1e-3 * watch.lap();
       const auto& records = pipeline.run().records();
-      if (!quiet) std::cerr << progress.after(static_cast<int>(records.size()), records.back().stamp - records.front().stamp, seconds) << std::flush;
-    }
+      if (!quiet) std::cerr << progress.after(static_cast<int>(records.size()), newest.stamp - records.front().stamp, seconds) << std::flush;
+    });
+    if (interrupted) info.stopped_by = "interrupt";
   } catch (const std::runtime_error& error) {  // what was read so far is still worth its map
     info.stopped_by = error.what();
   }

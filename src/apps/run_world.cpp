@@ -13,6 +13,7 @@
 #include "sgraph_slam/core/io/file.hpp"
 #include "sgraph_slam/core/io/tum.hpp"
 #include "sgraph_slam/core/params/params_io.hpp"
+#include "sgraph_slam/core/pipeline/batches.hpp"
 #include "sgraph_slam/core/pipeline/run_folder.hpp"
 #include "sgraph_slam/core/pipeline/variants.hpp"
 #include "sgraph_slam/core/sim/simulator.hpp"
@@ -101,20 +102,23 @@ double map_world(bool quiet, sim::SimulatedSource& source, VariantSet& set) {
   Stopwatch watch;
   double seconds = 0;
   double simulator_seconds = 0;
-  for (;;) {
-    const double cpu_before = cpu_seconds();
-    const auto event = source.next();
-    simulator_seconds += cpu_seconds() - cpu_before;
-    if (!event) break;
-    if (const auto* odometry = std::get_if<OdometrySample>(&*event)) set.add(*odometry);
-    if (const auto* imu = std::get_if<ImuSample>(&*event)) set.add(*imu);
-    const auto* scan = std::get_if<CloudPtr>(&*event);
-    if (scan == nullptr) continue;
-    set.process(**scan);
+  const auto simulate = [&source, &simulator_seconds] {
+    const double before = thread_cpu_seconds();
+    auto event = source.next();
+    simulator_seconds += thread_cpu_seconds() - before;
+    return event;
+  };
+  read_ahead(simulate, [&](const SensorBatch& batch) {
+    for (const SensorEvent& reading : batch.readings) {
+      if (const auto* odometry = std::get_if<OdometrySample>(&reading)) set.add(*odometry);
+      if (const auto* imu = std::get_if<ImuSample>(&reading)) set.add(*imu);
+    }
+    if (!batch.scan) return;
+    set.process(*batch.scan);
     seconds += 1e-3 * watch.lap();
     const auto& records = set.runs().front().records();
     if (!quiet) std::cerr << progress.after(static_cast<int>(records.size()), records.back().stamp - records.front().stamp, seconds) << std::flush;
-  }
+  });
   set.finish();
   if (!quiet) std::cerr << progress.end();
   return simulator_seconds;

@@ -5,7 +5,7 @@
 namespace sgraph {
 namespace {
 
-double cpu_milliseconds() { return 1e3 * cpu_seconds(); }
+double cpu_milliseconds() { return 1e3 * thread_cpu_seconds(); }
 
 }  // namespace
 

@@ -43,6 +43,7 @@ std::string front_key(const Variant& variant) {
   const std::string text = to_yaml([&params](ParamVisitor& v) {
     v.group("prefilter", params.prefilter, "");
     v.group("odometry", params.odometry, "");
+    v.group("robot", params.odometry.robot, "");
   });
   return text + (variant.encoders ? "encoders " : "") + (variant.imu ? "imu " : "") + (variant.until == Stage::prefilter ? "prefilter" : "");
 }

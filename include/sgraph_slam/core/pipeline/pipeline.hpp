@@ -1,12 +1,15 @@
 #pragma once
 
+#include <functional>
+
+#include "sgraph_slam/core/pipeline/batches.hpp"
 #include "sgraph_slam/core/pipeline/front_end.hpp"
 #include "sgraph_slam/core/pipeline/run.hpp"
 
 namespace sgraph {
 
-/// The four stages in order on one thread: the offline program and the tests. The nodelets run the same stage objects. To compare parameters on
-/// one recording see VariantSet.
+/// The four stages in order: the offline program and the tests. The nodelets run the same stage objects. To compare parameters on one recording see
+/// VariantSet.
 class Pipeline {
  public:
   /// Runs the stages up to and including `until`. Throws what the stages' constructors throw at bad parameters.
@@ -21,6 +24,11 @@ class Pipeline {
 
   /// Takes a raw scan in the LiDAR's frame, in order of stamp. The record stays valid until the next call.
   const ScanRecord& process(const Cloud& raw) { return run_.take(segmented(front_end_.process(raw))); }
+
+  /// Takes a whole recording, the stages beside each other on TBB's threads: while one scan is mapped those after it are registered. Each stage
+  /// takes the scans in order, so the result is that of process(), whatever the number of threads. `done` is called after each scan has been mapped.
+  /// Throws what the stages throw; what reading throws comes after all that was read has been mapped.
+  void process_all(NextEvent next, const std::function<void(const ScanRecord&)>& done);
 
   /// Ends the recording: closes the last keyframe and optimises once more.
   void finish() { run_.finish(segmented(front_end_.finish())); }

@@ -18,7 +18,7 @@ std::optional<Stage> stage_from(const std::string& word);
 
 using StageTimes = std::array<double, all_stages.size()>;  ///< [ms]; 0 where a stage didn't run
 
-/// What the stages took: time on the clock, and CPU time of all threads.
+/// What the stages took: time on the clock, and CPU time of the thread that ran them.
 struct StageCost {
   StageTimes wall{};
   StageTimes cpu{};
@@ -37,7 +37,7 @@ struct ScanRecord {
   int segments = 0;   ///< planes seen in their clouds
 };
 
-/// Books the time since its construction or the last booking under a stage.
+/// Books the time of this thread since its construction or the last booking under a stage.
 class StageClock {
  public:
   StageClock();
