@@ -44,6 +44,50 @@ sgraph_slam::ScenePlane to_message(const ScenePlane& plane) {
   return message;
 }
 
+sgraph_slam::SceneSide to_message(const SceneSide& side) {
+  sgraph_slam::SceneSide message;
+  message.kind = static_cast<std::uint8_t>(side.kind);
+  message.plane = side.plane.value;
+  message.door = side.door.value;
+  return message;
+}
+
+template <class Place, class Message>
+void write_outline(const Place& place, Message& message) {
+  for (const Eigen::Vector2d& corner : place.polygon) message.polygon.push_back(to_point({corner.x(), corner.y(), 0}));
+  for (const SceneSide& side : place.edges) message.edges.push_back(to_message(side));
+  message.storey = place.storey;
+}
+
+/// False when it isn't good.
+template <class Place, class Message>
+bool read_outline(const Message& message, Place& place) {
+  if (message.edges.size() != message.polygon.size()) return false;
+  for (const geometry_msgs::Point& corner : message.polygon) {
+    if (!std::isfinite(corner.x) || !std::isfinite(corner.y)) return false;
+    place.polygon.emplace_back(corner.x, corner.y);
+  }
+  for (const sgraph_slam::SceneSide& side : message.edges) {
+    if (side.kind > sgraph_slam::SceneSide::OPENING) return false;
+    place.edges.push_back({static_cast<SceneSide::Kind>(side.kind), {side.plane}, {side.door}});
+  }
+  place.storey = message.storey;
+  return true;
+}
+
+sgraph_slam::SceneDoor to_message(const SceneDoor& door) {
+  sgraph_slam::SceneDoor message;
+  message.id = door.id.value;
+  message.from = door.from;
+  message.to = door.to;
+  message.position = to_point(door.position);
+  message.yaw = door.yaw;
+  message.width = door.width;
+  message.height = door.height;
+  message.storey = door.storey;
+  return message;
+}
+
 sgraph_slam::SceneRoom to_message(const SceneRoom& room) {
   sgraph_slam::SceneRoom message;
   message.id = room.id.value;
@@ -52,6 +96,7 @@ sgraph_slam::SceneRoom to_message(const SceneRoom& room) {
   message.width[1] = room.width.y();
   message.yaw = room.yaw;
   message.planes = ids_of(room.planes);
+  write_outline(room, message);
   return message;
 }
 
@@ -63,6 +108,7 @@ sgraph_slam::SceneCorridor to_message(const SceneCorridor& corridor) {
   message.yaw = corridor.yaw;
   message.length = corridor.length;
   message.planes = ids_of(corridor.planes);
+  write_outline(corridor, message);
   return message;
 }
 
@@ -100,15 +146,34 @@ std::optional<ScenePlane> value_of(const sgraph_slam::ScenePlane& message) {
 }
 
 std::optional<SceneRoom> value_of(const sgraph_slam::SceneRoom& message) {
-  const SceneRoom room{{message.id}, vector_of(message.center), {message.width[0], message.width[1]}, message.yaw, plane_ids(message.planes)};
+  SceneRoom room;
+  room.id = {message.id};
+  room.center = vector_of(message.center);
+  room.width = {message.width[0], message.width[1]};
+  room.yaw = message.yaw;
+  room.planes = plane_ids(message.planes);
   const bool numbers = room.center.allFinite() && room.width.allFinite() && std::isfinite(room.yaw);
-  return numbers && room.planes.size() == 4 ? std::optional(room) : std::nullopt;
+  const bool planes = room.planes.size() == 4 || room.width.isZero(0);
+  return numbers && planes && read_outline(message, room) ? std::optional(room) : std::nullopt;
 }
 
 std::optional<SceneCorridor> value_of(const sgraph_slam::SceneCorridor& message) {
-  const SceneCorridor corridor{{message.id}, vector_of(message.center), message.width, message.yaw, message.length, plane_ids(message.planes)};
+  SceneCorridor corridor;
+  corridor.id = {message.id};
+  corridor.center = vector_of(message.center);
+  corridor.width = message.width;
+  corridor.yaw = message.yaw;
+  corridor.length = message.length;
+  corridor.planes = plane_ids(message.planes);
   const bool numbers = corridor.center.allFinite() && std::isfinite(corridor.width) && std::isfinite(corridor.yaw) && std::isfinite(corridor.length);
-  return numbers && corridor.planes.size() == 2 ? std::optional(corridor) : std::nullopt;
+  return numbers && corridor.planes.size() == 2 && read_outline(message, corridor) ? std::optional(corridor) : std::nullopt;
+}
+
+std::optional<SceneDoor> value_of(const sgraph_slam::SceneDoor& message) {
+  const SceneDoor door{{message.id}, message.from,  message.to,     vector_of(message.position),
+                       message.yaw,  message.width, message.height, message.storey};
+  const bool numbers = door.position.allFinite() && std::isfinite(door.yaw) && std::isfinite(door.width) && std::isfinite(door.height);
+  return numbers ? std::optional(door) : std::nullopt;
 }
 
 /// The messages' values by id; false when one of them isn't good.
@@ -131,6 +196,10 @@ void write(const std::map<Key, Value>& values, std::vector<Message>& messages) {
 
 }  // namespace
 
+static_assert(sgraph_slam::SceneSide::UNKNOWN == static_cast<int>(SceneSide::Kind::unknown));
+static_assert(sgraph_slam::SceneSide::WALL == static_cast<int>(SceneSide::Kind::wall));
+static_assert(sgraph_slam::SceneSide::DOOR == static_cast<int>(SceneSide::Kind::door));
+static_assert(sgraph_slam::SceneSide::OPENING == static_cast<int>(SceneSide::Kind::opening));
 static_assert(sgraph_slam::ScenePlane::X == static_cast<int>(PlaneClass::x));
 static_assert(sgraph_slam::ScenePlane::Y == static_cast<int>(PlaneClass::y));
 static_assert(sgraph_slam::ScenePlane::HORIZONTAL == static_cast<int>(PlaneClass::horizontal));
@@ -148,6 +217,15 @@ sgraph_slam::SceneGraph to_message(const GraphSnapshot& snapshot) {
   write(snapshot.rooms, message.rooms);
   write(snapshot.corridors, message.corridors);
   for (const SceneOpening& opening : snapshot.openings) message.openings.push_back(to_message(opening));
+  write(snapshot.doors, message.doors);
+  for (const SceneStorey& storey : snapshot.storeys) {
+    sgraph_slam::SceneStorey out;
+    out.id = storey.id;
+    out.z = storey.z;
+    out.ceiling = storey.ceiling;
+    out.height_known = static_cast<std::uint8_t>(storey.height_known);
+    message.storeys.push_back(out);
+  }
   return message;
 }
 
@@ -156,7 +234,7 @@ std::optional<GraphSnapshot> from_message(const sgraph_slam::SceneGraph& message
   GraphSnapshot snapshot;
   if (!map_to_odom || !std::isfinite(message.dominant_yaw)) return {};
   if (!read(message.keyframes, snapshot.keyframes) || !read(message.planes, snapshot.planes) || !read(message.rooms, snapshot.rooms) ||
-      !read(message.corridors, snapshot.corridors))
+      !read(message.corridors, snapshot.corridors) || !read(message.doors, snapshot.doors))
     return {};
   snapshot.version = message.version;
   snapshot.frame = message.header.frame_id;
@@ -165,6 +243,10 @@ std::optional<GraphSnapshot> from_message(const sgraph_slam::SceneGraph& message
   for (const sgraph_slam::SceneOpening& opening : message.openings) {
     snapshot.openings.push_back({opening.from, opening.to, vector_of(opening.position)});
     if (!snapshot.openings.back().position.allFinite()) return {};
+  }
+  for (const sgraph_slam::SceneStorey& storey : message.storeys) {
+    if (!std::isfinite(storey.z) || !std::isfinite(storey.ceiling)) return {};
+    snapshot.storeys.push_back({storey.id, storey.z, storey.ceiling, storey.height_known != 0});
   }
   return snapshot;
 }

@@ -28,6 +28,7 @@ constexpr Color other_color{0.80F, 0.70F, 0.30F, 0.5F};
 constexpr Color room_color{0.95F, 0.30F, 0.75F, 1.0F};
 constexpr Color corridor_color{0.95F, 0.80F, 0.20F, 1.0F};
 constexpr Color opening_color{0.90F, 0.90F, 0.90F, 1.0F};
+constexpr Color door_color{0.95F, 0.55F, 0.10F, 1.0F};
 constexpr Color text_color{1.0F, 1.0F, 1.0F, 1.0F};
 
 /// Planes below this area are drawn as small ones [m^2]: a table's top is about 1.3, the piece of wall beside a door 2.
@@ -108,14 +109,21 @@ class Drawing {
   void places() {
     char label[80];
     for (const auto& [id, room] : snapshot_.rooms) {
-      std::snprintf(label, sizeof label, "room %ld\n%.2f x %.2f m", static_cast<long>(id.value), room.width.x(), room.width.y());
+      if (room.is_rectangle()) {
+        std::snprintf(label, sizeof label, "room %ld\n%.2f x %.2f m", static_cast<long>(id.value), room.width.x(), room.width.y());
+      } else {
+        std::snprintf(label, sizeof label, "hall %ld", static_cast<long>(id.value));
+      }
+      outline("room_outlines", static_cast<int>(id.value), room.polygon, room.center.z(), room_color);
       place("rooms", static_cast<int>(id.value), room.center, room.planes, room_color, label);
     }
     for (const auto& [id, corridor] : snapshot_.corridors) {
       std::snprintf(label, sizeof label, "corridor %ld\n%.2f m wide", static_cast<long>(id.value), corridor.width);
+      outline("corridor_outlines", static_cast<int>(id.value), corridor.polygon, corridor.center.z(), corridor_color);
       place("corridors", static_cast<int>(id.value), corridor.center, corridor.planes, corridor_color, label);
     }
     openings();
+    doors();
   }
 
   visualization_msgs::MarkerArray take() { return std::move(array_); }
@@ -201,6 +209,34 @@ class Drawing {
     text.pose.position = at(center, places_lift_ + 1.5);
     text.text = label;
     array_.markers.push_back(text);
+  }
+
+  /// The inner outline, on the planes' layer.
+  void outline(const std::string& name, int id, const std::vector<Eigen::Vector2d>& polygon, double z, const Color& color) {
+    if (polygon.empty()) return;
+    Marker line = marker(name, Marker::LINE_STRIP, color, 0.06);
+    line.id = id;
+    for (std::size_t i = 0; i <= polygon.size(); ++i) {
+      const Eigen::Vector2d& corner = polygon[i % polygon.size()];
+      line.points.push_back(at({corner.x(), corner.y(), z}, planes_lift_));
+    }
+    array_.markers.push_back(line);
+  }
+
+  /// Frames of jambs and lintel.
+  void doors() {
+    Marker lines = marker("doors", Marker::LINE_LIST, door_color, 0.05);
+    for (const auto& [id, door] : snapshot_.doors) {
+      const Eigen::Vector3d along(-std::sin(door.yaw), std::cos(door.yaw), 0);
+      const Eigen::Vector3d up(0, 0, door.height > 0 ? door.height : 2.0);
+      const Eigen::Vector3d a = door.position - 0.5 * door.width * along;
+      const Eigen::Vector3d b = door.position + 0.5 * door.width * along;
+      for (const auto& [from, to] : {std::pair<Eigen::Vector3d, Eigen::Vector3d>(a, a + up), {a + up, b + up}, {b + up, b}, {b, a}}) {
+        lines.points.push_back(at(from, planes_lift_));
+        lines.points.push_back(at(to, planes_lift_));
+      }
+    }
+    if (!lines.points.empty()) array_.markers.push_back(lines);
   }
 
   /// Between the nodes of the places that they join.

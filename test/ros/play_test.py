@@ -24,7 +24,7 @@ from visualization_msgs.msg import MarkerArray
 from support import LIMIT, Diagnostics, Recorder, read_points, wait_for
 
 SECONDS = 14  # of the recording
-MAP_FILES = ['trajectory.tum', 'trajectory_live.tum', 'keyframes.tum', 'graph.json', 'map.pcd', 'map.pgm', 'map.yaml', 'floor_plan.png',
+MAP_FILES = ['trajectory.tum', 'trajectory_live.tum', 'keyframes.tum', 'graph.json', 'map.pcd', 'map.pgm', 'map.yaml', 'floor_plan.dxf', 'floor_plan.png',
              'floor_plan.svg', 'decisions.csv', 'params.yaml']
 
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
 
 #include <Eigen/Dense>
 
@@ -142,6 +143,34 @@ void MappedBuilding::see(const Pose& T_world_base, const BuildingNoise& noise, s
   if (noise.clouds) seen.keyframe.cloud = cloud;
 }
 
+// What its rays ended on, without noise: it shows where the floor is free.
+CloudPtr MappedBuilding::cloud_from(const Pose& T_world_base) const {
+  const Pose T_world_lidar = T_world_base * T_base_lidar();
+  const Pose T_lidar_world = T_world_lidar.inverse();
+  const Eigen::Vector3d eye = T_world_lidar.translation;
+  auto cloud = std::make_shared<Cloud>();
+  for (int i = 0; i < 720; ++i) {
+    const Eigen::Vector2d u(std::cos(i * M_PI / 360), std::sin(i * M_PI / 360));
+    double range = max_range;
+    for (const BuildingFace& face : faces_) {
+      const Eigen::Vector2d along = face.b - face.a;
+      const double parallel = cross(u, along);
+      if (std::abs(parallel) < 1e-12) continue;
+      const double t = cross(face.a - eye.head<2>(), along) / parallel;
+      const double s = cross(face.a - eye.head<2>(), u) / parallel;
+      if (t > 1e-6 && s >= 0 && s <= 1) range = std::min(range, t);
+    }
+    for (const double slope : {-0.15, -0.05, 0.02, 0.1}) {
+      const double reached = slope < 0 ? std::min(range, eye.z() / -slope) : range;
+      Point point;
+      point.set_position(
+          (T_lidar_world * Eigen::Vector3d(eye.x() + reached * u.x(), eye.y() + reached * u.y(), eye.z() + slope * reached)).cast<float>());
+      cloud->points.push_back(point);
+    }
+  }
+  return cloud;
+}
+
 std::vector<SeenKeyframe> MappedBuilding::walk(const std::vector<Eigen::Vector2d>& waypoints, double step, double start_yaw,
                                                const BuildingNoise& noise, unsigned seed) const {
   std::mt19937 random(seed);
@@ -151,6 +180,7 @@ std::vector<SeenKeyframe> MappedBuilding::walk(const std::vector<Eigen::Vector2d
     seen.T_world_base = pose_on_ground(p, yaw) * se3_exp(noise_vector(random, 0.01, 0.005));
     seen.keyframe.id = {static_cast<std::int64_t>(all.size())};
     seen.keyframe.stamp = Stamp::from_seconds(static_cast<double>(all.size()));
+    seen.keyframe.cloud = cloud_from(seen.T_world_base);
     seen.segments.stamp = seen.keyframe.stamp;
     if (all.empty()) {
       seen.keyframe.T_odom_base = pose_on_ground({0, 0}, yaw + start_yaw);

@@ -5,6 +5,7 @@
 
 #include <Eigen/Core>
 
+#include "sgraph_slam/core/types/cloud.hpp"
 #include "sgraph_slam/core/types/odometry.hpp"
 #include "sgraph_slam/core/types/segments.hpp"
 
@@ -56,6 +57,7 @@ class MappedBuilding {
 
  private:
   void see(const Pose& T_world_base, const BuildingNoise& noise, std::mt19937& random, SeenKeyframe& seen) const;
+  [[nodiscard]] CloudPtr cloud_from(const Pose& T_world_base) const;
   [[nodiscard]] bool visible(const Eigen::Vector2d& from, const Eigen::Vector2d& to) const;
 
   std::vector<BuildingFace> faces_;

@@ -112,7 +112,9 @@ Statistics PlaceScore::width_error() const { return of(matches, &PlaceMatch::wid
 
 PlaceScore score_rooms(const std::vector<SceneRoom>& found, const Pose& T_truth_map, const std::vector<PlanPlace>& truth) {
   std::vector<Found> all;
-  for (const SceneRoom& r : found) all.push_back(moved(r.id.value, r.center, r.width, r.yaw, T_truth_map));
+  for (const SceneRoom& r : found) {
+    if (r.is_rectangle()) all.push_back(moved(r.id.value, r.center, r.width, r.yaw, T_truth_map));
+  }
   return score(all, truth, room_candidate);
 }
 

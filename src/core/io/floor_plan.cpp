@@ -69,15 +69,30 @@ std::vector<DrawnWall> walls_of(const GraphSnapshot& snapshot, const OccupancyGr
   return walls;
 }
 
-DrawnPlace place(const std::string& name, const Eigen::Vector3d& center, const Eigen::Vector2d& size, double yaw) {
+double area_of(const std::vector<Eigen::Vector2d>& outline) {
+  double twice = 0;
+  for (std::size_t i = 0; i < outline.size(); ++i) {
+    const Eigen::Vector2d& p = outline[i];
+    const Eigen::Vector2d& q = outline[(i + 1) % outline.size()];
+    twice += p.x() * q.y() - p.y() * q.x();
+  }
+  return 0.5 * twice;
+}
+
+DrawnPlace place(const std::string& name, const Eigen::Vector3d& center, const Eigen::Vector2d& size, double yaw,
+                 const std::vector<Eigen::Vector2d>& polygon) {
   DrawnPlace place;
   place.name = name;
   place.center = center.head<2>();
   place.size = size;
-  const Eigen::Rotation2Dd rotation(yaw);
-  for (const auto& [x, y] : {std::pair(-0.5, -0.5), std::pair(0.5, -0.5), std::pair(0.5, 0.5), std::pair(-0.5, 0.5)}) {
-    place.outline.push_back(place.center + rotation * Eigen::Vector2d(x * size.x(), y * size.y()));
+  place.outline = polygon;
+  if (polygon.empty()) {
+    const Eigen::Rotation2Dd rotation(yaw);
+    for (const auto& [x, y] : {std::pair(-0.5, -0.5), std::pair(0.5, -0.5), std::pair(0.5, 0.5), std::pair(-0.5, 0.5)}) {
+      place.outline.push_back(place.center + rotation * Eigen::Vector2d(x * size.x(), y * size.y()));
+    }
   }
+  place.area = area_of(place.outline);
   return place;
 }
 
@@ -109,10 +124,15 @@ FloorPlan make_floor_plan(const GraphSnapshot& snapshot, const OccupancyGrid& gr
   plan.free = rows_of(grid, OccupancyGrid::free);
   plan.walls = walls_of(snapshot, grid, !plan.obstacles.empty());
   for (const auto& [id, corridor] : snapshot.corridors) {
-    plan.places.push_back(place("Corridor " + std::to_string(id.value), corridor.center, {corridor.length, corridor.width}, corridor.yaw));
+    plan.places.push_back(
+        place("Corridor " + std::to_string(id.value), corridor.center, {corridor.length, corridor.width}, corridor.yaw, corridor.polygon));
     plan.places.back().corridor = true;
   }
-  for (const auto& [id, room] : snapshot.rooms) plan.places.push_back(place("Room " + std::to_string(id.value), room.center, room.width, room.yaw));
+  for (const auto& [id, room] : snapshot.rooms)
+    plan.places.push_back(
+        place((room.is_rectangle() ? "Room " : "Hall ") + std::to_string(id.value), room.center, room.width, room.yaw, room.polygon));
+  for (const auto& [id, door] : snapshot.doors)
+    plan.doors.push_back({"Door " + std::to_string(id.value), door.position.head<2>(), door.yaw, door.width, door.height});
   for (const StampedPose& pose : path) plan.path.push_back(pose.pose.translation.head<2>());
   return plan;
 }

@@ -22,6 +22,8 @@ constexpr Color free_fill{245, 246, 248};
 constexpr Color path_ink{32, 98, 196};
 constexpr Color start_ink{30, 150, 70};
 constexpr Color end_ink{210, 50, 45};
+constexpr Color outline_ink{120, 128, 140};
+constexpr Color door_ink{196, 112, 20};
 constexpr Color corridor_fill{255, 244, 214};
 constexpr Color room_fills[] = {{222, 236, 250}, {225, 244, 226}, {250, 228, 224}, {236, 228, 247}, {221, 243, 243}, {247, 236, 222}};
 
@@ -122,13 +124,34 @@ void draw_walls(Canvas& canvas, const Layout& layout, const FloorPlan& plan) {
 void draw_label(Canvas& canvas, const Layout& layout, const DrawnPlace& place) {
   Eigen::AlignedBox2d box;
   for (const auto& corner : place.outline) box.extend(layout(corner));
-  const std::string size = metres(place.size.x()) + " x " + metres(place.size.y()) + " m";
+  const bool rectangle = place.size.x() > 0;
+  const std::string size = rectangle ? metres(place.size.x()) + " x " + metres(place.size.y()) + " m" : metres(place.area) + " m2";
   constexpr double width_of_letter = 0.62;  // of the size
   const double wide = 0.92 * box.sizes().x() / (width_of_letter * static_cast<double>(std::max(size.size(), place.name.size())));
   const double letter = std::clamp(std::min(wide, 0.36 * box.sizes().y()), 11.0, 26.0);
   const Eigen::Vector2d at = layout(place.center);
   canvas.text(at - Eigen::Vector2d(0, 0.25 * letter), place.name, letter, ink, Anchor::middle, true);
   canvas.text(at + Eigen::Vector2d(0, 0.95 * letter), size, 0.85 * letter, ink, Anchor::middle);
+}
+
+// The gap, the leaf's swing as a plan shows it, and the width.
+void draw_doors(Canvas& canvas, const Layout& layout, const FloorPlan& plan) {
+  constexpr int steps = 8;  // of the quarter circle
+  for (const DrawnDoor& door : plan.doors) {
+    const Eigen::Vector2d through(std::cos(door.yaw), std::sin(door.yaw));
+    const Eigen::Vector2d along(-through.y(), through.x());
+    const Eigen::Vector2d hinge = door.center - 0.5 * door.width * along;
+    Canvas::Points swing;
+    for (int i = 0; i <= steps; ++i) {
+      const double angle = 0.5 * M_PI * i / steps;
+      swing.push_back(layout(hinge + door.width * (std::cos(angle) * along + std::sin(angle) * through)));
+    }
+    canvas.line({layout(hinge), layout(hinge + door.width * along)}, door_ink, 3);
+    canvas.line(swing, door_ink, 1.2);
+    canvas.line({layout(hinge), swing.back()}, door_ink, 1.2);
+    if (layout.scale() < 25) continue;  // no room for figures
+    canvas.text(layout(door.center - 0.35 * through) + Eigen::Vector2d(0, 4), metres(door.width), 11, door_ink, Anchor::middle);
+  }
 }
 
 void draw_path(Canvas& canvas, const Layout& layout, const FloorPlan& plan) {
@@ -178,8 +201,10 @@ void draw_title(Canvas& canvas, const Layout& layout, const FloorPlan& plan) {
   double length = 0;
   for (std::size_t i = 1; i < plan.path.size(); ++i) length += (plan.path[i] - plan.path[i - 1]).norm();
   char text[128];
-  std::snprintf(text, sizeof text, "%td room%s, %td corridor%s, path %.1f m", rooms, rooms == 1 ? "" : "s", corridors, corridors == 1 ? "" : "s",
-                length);
+  char doors[32] = "";
+  if (!plan.doors.empty()) std::snprintf(doors, sizeof doors, ", %zu door%s", plan.doors.size(), plan.doors.size() == 1 ? "" : "s");
+  std::snprintf(text, sizeof text, "%td room%s, %td corridor%s%s, path %.1f m", rooms, rooms == 1 ? "" : "s", corridors, corridors == 1 ? "" : "s",
+                doors, length);
   canvas.text({0.6 * margin, 0.5 * margin}, text, 24, ink, Anchor::left);
   if (plan.path.empty()) return;
   const double x = layout.width() - 0.6 * margin;
@@ -198,9 +223,12 @@ std::string draw(const FloorPlan& plan, std::unique_ptr<Canvas> (*make)(int, int
     Canvas::Points outline;
     for (const auto& corner : place.outline) outline.push_back(layout(corner));
     canvas->fill(outline, place.corridor ? corridor_fill : room_fills[room++ % std::size(room_fills)]);
+    outline.push_back(outline.front());
+    canvas->line(outline, outline_ink, 1.2);
   }
   draw_cells(*canvas, layout, plan.obstacles, plan.cell, obstacle_ink);
   draw_walls(*canvas, layout, plan);
+  draw_doors(*canvas, layout, plan);
   draw_path(*canvas, layout, plan);
   for (const DrawnPlace& place : plan.places) draw_label(*canvas, layout, place);
   draw_title(*canvas, layout, plan);

@@ -55,13 +55,59 @@ Json to_json(const ScenePlane& plane) {
           {"keyframes", ids(plane.keyframes)}};
 }
 
+Json to_json(const SceneSide& side) {
+  switch (side.kind) {
+    case SceneSide::Kind::wall: return {{"plane", side.plane.value}};
+    case SceneSide::Kind::door: return {{"door", side.door.value}};
+    case SceneSide::Kind::opening: return {{"opening", true}};
+    case SceneSide::Kind::unknown: break;
+  }
+  return {{"unknown", true}};
+}
+
+double area_of(const std::vector<Eigen::Vector2d>& polygon) {
+  double twice = 0;
+  for (std::size_t i = 0; i < polygon.size(); ++i) {
+    const Eigen::Vector2d& p = polygon[i];
+    const Eigen::Vector2d& q = polygon[(i + 1) % polygon.size()];
+    twice += p.x() * q.y() - p.y() * q.x();
+  }
+  return 0.5 * twice;
+}
+
+template <class Place>
+void add_outline(const Place& place, const char* kind, Json& json) {
+  json["kind"] = kind;
+  json["area"] = area_of(place.polygon);
+  json["complete"] = is_complete(place.edges);
+  json["polygon"] = Json::array();
+  for (const Eigen::Vector2d& corner : place.polygon) json["polygon"].push_back(numbers(corner));
+  json["edges"] = Json::array();
+  for (const SceneSide& side : place.edges) json["edges"].push_back(to_json(side));
+  json["storey"] = place.storey;
+}
+
 Json to_json(const SceneRoom& room) {
-  return {{"id", room.id.value}, {"center", numbers(room.center)}, {"width", numbers(room.width)}, {"yaw", room.yaw}, {"planes", ids(room.planes)}};
+  const Json width = room.is_rectangle() ? numbers(room.width) : Json::array();
+  Json json = {{"id", room.id.value}, {"center", numbers(room.center)}, {"width", width}, {"yaw", room.yaw}, {"planes", ids(room.planes)}};
+  add_outline(room, room.is_rectangle() ? "room" : "hall", json);
+  return json;
 }
 
 Json to_json(const SceneCorridor& corridor) {
-  return {{"id", corridor.id.value}, {"center", numbers(corridor.center)}, {"width", Json::array({corridor.width})},
-          {"yaw", corridor.yaw},     {"length", corridor.length},          {"planes", ids(corridor.planes)}};
+  Json json = {{"id", corridor.id.value}, {"center", numbers(corridor.center)}, {"width", Json::array({corridor.width})},
+               {"yaw", corridor.yaw},     {"length", corridor.length},          {"planes", ids(corridor.planes)}};
+  add_outline(corridor, "corridor", json);
+  return json;
+}
+
+Json to_json(const SceneDoor& door) {
+  return {{"id", door.id.value}, {"from", door.from},   {"to", door.to},         {"position", numbers(door.position)},
+          {"yaw", door.yaw},     {"width", door.width}, {"height", door.height}, {"storey", door.storey}};
+}
+
+Json to_json(const SceneStorey& storey) {
+  return {{"id", storey.id}, {"z", storey.z}, {"ceiling", storey.ceiling}, {"height_known", storey.height_known}};
 }
 
 Json to_json(const SceneOpening& opening) { return {{"from", opening.from}, {"to", opening.to}, {"position", numbers(opening.position)}}; }
@@ -128,17 +174,61 @@ ScenePlane plane_from(const Json& json) {
   return plane;
 }
 
+SceneSide side_from(const Json& json) {
+  if (json.contains("plane")) return {SceneSide::Kind::wall, {integer_from(json.at("plane"))}, {}};
+  if (json.contains("door")) return {SceneSide::Kind::door, {}, {integer_from(json.at("door"))}};
+  return {json.contains("opening") ? SceneSide::Kind::opening : SceneSide::Kind::unknown, {}, {}};
+}
+
+// Graphs written before places had outlines have none.
+template <class Place>
+void read_outline(const Json& json, Place& place) {
+  if (!json.contains("polygon")) return;
+  for (const Json& corner : json.at("polygon")) place.polygon.push_back(vector_from<2>(corner));
+  for (const Json& side : json.at("edges")) place.edges.push_back(side_from(side));
+  if (place.edges.size() != place.polygon.size()) throw std::runtime_error("a place with another number of edges than corners");
+  place.storey = static_cast<int>(integer_from(json.at("storey")));
+}
+
 SceneRoom room_from(const Json& json) {
-  return {{integer_from(json.at("id"))},
-          vector_from<3>(json.at("center")),
-          vector_from<2>(json.at("width")),
-          json.at("yaw").get<double>(),
-          ids_from<PlaneId>(json.at("planes"))};
+  SceneRoom room;
+  room.id = {integer_from(json.at("id"))};
+  room.center = vector_from<3>(json.at("center"));
+  if (!json.at("width").empty()) room.width = vector_from<2>(json.at("width"));
+  room.yaw = json.at("yaw").get<double>();
+  room.planes = ids_from<PlaneId>(json.at("planes"));
+  read_outline(json, room);
+  return room;
 }
 
 SceneCorridor corridor_from(const Json& json) {
-  return {{integer_from(json.at("id"))}, vector_from<3>(json.at("center")), vector_from<1>(json.at("width"))[0],
-          json.at("yaw").get<double>(),  json.at("length").get<double>(),   ids_from<PlaneId>(json.at("planes"))};
+  SceneCorridor corridor;
+  corridor.id = {integer_from(json.at("id"))};
+  corridor.center = vector_from<3>(json.at("center"));
+  corridor.width = vector_from<1>(json.at("width"))[0];
+  corridor.yaw = json.at("yaw").get<double>();
+  corridor.length = json.at("length").get<double>();
+  corridor.planes = ids_from<PlaneId>(json.at("planes"));
+  read_outline(json, corridor);
+  return corridor;
+}
+
+SceneDoor door_from(const Json& json) {
+  SceneDoor door;
+  door.id = {integer_from(json.at("id"))};
+  door.from = json.at("from").get<std::string>();
+  door.to = json.at("to").get<std::string>();
+  door.position = vector_from<3>(json.at("position"));
+  door.yaw = json.at("yaw").get<double>();
+  door.width = json.at("width").get<double>();
+  door.height = json.at("height").get<double>();
+  door.storey = json.contains("storey") ? static_cast<int>(integer_from(json.at("storey"))) : 0;
+  return door;
+}
+
+SceneStorey storey_from(const Json& json) {
+  return {static_cast<int>(integer_from(json.at("id"))), json.at("z").get<double>(), json.at("ceiling").get<double>(),
+          json.at("height_known").get<bool>()};
 }
 
 GraphSnapshot snapshot_from(const Json& json) {
@@ -160,6 +250,8 @@ GraphSnapshot snapshot_from(const Json& json) {
   for (const Json& one : json.at("openings")) {
     snapshot.openings.push_back({one.at("from").get<std::string>(), one.at("to").get<std::string>(), vector_from<3>(one.at("position"))});
   }
+  for (const Json& one : json.value("doors", Json::array())) insert(snapshot.doors, door_from(one));
+  for (const Json& one : json.value("storeys", Json::array())) snapshot.storeys.push_back(storey_from(one));
   snapshot.factors_json = json.at("factors").dump();
   return snapshot;
 }
@@ -169,6 +261,8 @@ GraphSnapshot snapshot_from(const Json& json) {
 std::string graph_json(const GraphSnapshot& snapshot) {
   Json openings = Json::array();
   for (const SceneOpening& opening : snapshot.openings) openings.push_back(to_json(opening));
+  Json storeys = Json::array();
+  for (const SceneStorey& storey : snapshot.storeys) storeys.push_back(to_json(storey));
   const Json json = {{"format", format},
                      {"frame", snapshot.frame},
                      {"version", snapshot.version},
@@ -179,6 +273,8 @@ std::string graph_json(const GraphSnapshot& snapshot) {
                      {"rooms", values(snapshot.rooms)},
                      {"corridors", values(snapshot.corridors)},
                      {"openings", openings},
+                     {"doors", values(snapshot.doors)},
+                     {"storeys", storeys},
                      {"factors", Json::parse(snapshot.factors_json)}};
   return json.dump(1) + '\n';
 }

@@ -49,6 +49,7 @@ void write_map(const std::string& folder, const GraphSnapshot& snapshot, const T
   const FloorPlan plan = make_floor_plan(snapshot, grid, path);
   write_file(base + "floor_plan.png", floor_plan_png(plan));
   write_file(base + "floor_plan.svg", floor_plan_svg(plan));
+  write_file(base + "floor_plan.dxf", floor_plan_dxf(plan));
 }
 
 }  // namespace sgraph

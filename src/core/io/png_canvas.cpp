@@ -20,7 +20,7 @@ class PngCanvas : public Canvas {
 
   void fill(const Points& polygon, Color color) override {
     const auto points = fixed(polygon);
-    cv::fillConvexPoly(image_, points, bgr(color), cv::LINE_AA, shift);
+    cv::fillPoly(image_, std::vector<std::vector<cv::Point>>{points}, bgr(color), cv::LINE_AA, shift);
   }
 
   void fill_all(const std::vector<Points>& polygons, Color color) override {

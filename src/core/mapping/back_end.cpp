@@ -16,13 +16,11 @@
 #include "sgraph_slam/core/planes/add_observations.hpp"
 #include "sgraph_slam/core/planes/drop_planes.hpp"
 #include "sgraph_slam/core/planes/merge_duplicates.hpp"
-#include "sgraph_slam/core/planes/passages.hpp"
 
 namespace sgraph {
 namespace {
 
-constexpr int returns_apart = 5;     // keyframes between two global solves because a place was seen again
-constexpr std::size_t retries = 12;  // positions without a place that are looked at again after a global solve
+constexpr int returns_apart = 5;  // keyframes between two global solves because a place was seen again
 
 DominantFrameParams frame_params() { return {}; }
 
@@ -46,8 +44,7 @@ class BackEnd::Implementation {
     const Pose T_map_odom_before = *state_.graph.find(last.id) * last.T_odom_base.inverse();
     state_.session = {last.id.value + 1, T_map_odom_before.inverse() * T_map_odom, covariance};
     state_.T_map_odom = T_map_odom;
-    if (state_.params.topological_layer) visit_all();
-    find_openings();
+    if (state_.params.topological_layer) take_up_places();
     checkpoint();
     publish(false);
   }
@@ -219,21 +216,19 @@ class BackEnd::Implementation {
     if (!add_keyframe(state_, input.keyframe, input.cloud)) return false;
     state_.optimized = false;
     summary_ = {};
-    if (input.planes) map_planes(input.keyframe, input.segments);
+    if (input.planes) map_planes(input.keyframe, input.cloud, input.segments);
     place_odometry();
     return true;
   }
 
-  void map_planes(const Keyframe& keyframe, const PlaneSegments& segments) {
+  void map_planes(const Keyframe& keyframe, const KeyframeCloud& cloud, const PlaneSegments& segments) {
     const AssociationResult seen = add_observations(committer_, state_.planes, keyframe, segments);
     ++state_.since_global;
     if (state_.params.solving.window > 0) solve_window();
     update_frame();
     if (state_.params.topological_layer) {
-      const std::vector<Wall> walls = counted_walls();
-      state_.layer.judge(state_.graph, walls, &seen.seen, keyframe.id, state_.log);
-      visit(walls, keyframe.id);
-      synchronise(committer_, state_.layer, state_.planes.map, state_.params.topology);
+      if (const CloudPtr points = cloud.get()) state_.layer.add(keyframe.id, *points, state_.planes.T_base_lidar);
+      visit(keyframe.id);
       add_widths(committer_, state_.layer, segments, seen.planes, state_.params.topology);
     }
     const bool looped = close_loop(committer_, state_.loops, state_.keyframes, state_.planes.drift, state_.planes.marginals);
@@ -244,10 +239,7 @@ class BackEnd::Implementation {
     state_.optimized = true;
     summary_ = {};
     solve_global(state_.params.solving.final_iterations, true);
-    if (state_.params.topological_layer) {
-      visit_all();
-      solve_global(state_.params.solving.final_iterations);
-    }
+    if (state_.params.topological_layer) solve_global(state_.params.solving.final_iterations, false, true);
     find_covariances();
     place_odometry();
   }
@@ -269,7 +261,7 @@ class BackEnd::Implementation {
     note(state_.recent.solve(state_.graph, state_.params.solving.window, options));
   }
 
-  void solve_global(int iterations, bool all_pairs = false) {
+  void solve_global(int iterations, bool all_pairs = false, bool measure_all_doors = false) {
     drop_passing_planes(committer_, state_.planes, all_pairs);
     SolverOptions options;
     options.max_iterations = iterations;
@@ -281,21 +273,12 @@ class BackEnd::Implementation {
     std::set<PlanePair> shown;
     shown.swap(state_.pending_merges);
     merge_duplicates(committer_, state_.planes, shown, all_pairs, state_.params.solving.iterations);
-    if (!state_.params.topological_layer) return;
-    const std::vector<Wall> walls = counted_walls();
-    state_.layer.judge(state_.graph, walls, nullptr, committer_.newest(), state_.log);
-    revisit(walls);
-    synchronise(committer_, state_.layer, state_.planes.map, state_.params.topology);
-    add_wall_faces(committer_, state_.planes.map, state_.params.merging.max_angle, state_.params.topology);
-    find_openings();
+    if (state_.params.topological_layer) update_places(measure_all_doors);
   }
 
+  // What is too low or has been seen too rarely bounds no place.
   [[nodiscard]] std::vector<Wall> counted_walls() const {
-    std::vector<Wall> walls = state_.planes.map.walls(static_cast<std::size_t>(state_.params.topology.min_views), state_.params.topology.min_height);
-    const GroundPath path(state_.graph);
-    for (Wall& wall : walls) open_passages(wall, path);
-    walls.erase(std::remove_if(walls.begin(), walls.end(), [](const Wall& wall) { return wall.support.empty(); }), walls.end());
-    return walls;
+    return state_.planes.map.walls(static_cast<std::size_t>(state_.params.topology.min_views), state_.params.topology.min_height);
   }
 
   void update_frame() {
@@ -306,42 +289,49 @@ class BackEnd::Implementation {
     state_.planes.frame = estimate_dominant_frame(wall_directions(state_.planes.map), state_.planes.frame, frame_params());
   }
 
-  void visit(const std::vector<Wall>& walls, KeyframeId at) {
-    const Visit here{committer_.newest(), ground(*state_.graph.find(at)), state_.planes.frame.yaw};
-    for (const PlanePair& pair : state_.layer.visit(state_.graph, walls, here, state_.log)) {
-      if (state_.params.merging.by_places && state_.planes.refused_merges.count(pair) == 0) state_.pending_merges.insert(pair);
+  // Planes that the place around the robot shows to be one wall, if they haven't been found apart lately.
+  void visit(KeyframeId at) {
+    if (!state_.params.merging.by_places) return;
+    constexpr int again = 40;  // keyframes until a pair that was found apart is tried again, as in merge_duplicates
+    for (const PlanePair& pair : state_.layer.shown_at(counted_walls(), ground(*state_.graph.find(at)), at)) {
+      const auto tested = state_.planes.tested_merges.find(pair);
+      const bool lately = tested != state_.planes.tested_merges.end() && at.value - tested->second.value < again;
+      if (!lately && state_.planes.refused_merges.count(pair) == 0) state_.pending_merges.insert(pair);
     }
   }
 
-  // Positions that had no place when the robot was there: the walls that were missing may have been seen since.
-  void revisit(const std::vector<Wall>& walls) {
-    std::size_t tried = 0;
-    for (std::size_t i = 0; i < state_.keyframes.size() && tried < retries; ++i) {
-      const auto next = state_.keyframes.upper_bound(state_.last_revisited);
-      const KeyframeId id = next == state_.keyframes.end() ? state_.keyframes.begin()->first : next->first;
-      state_.last_revisited = id;
-      if (state_.layer.covers(ground(*state_.graph.find(id)))) continue;
-      visit(walls, id);
-      ++tried;
-    }
-  }
-
-  void visit_all() {
-    const std::vector<Wall> walls = counted_walls();
+  // The places of a map made earlier, from its walls and its keyframes' clouds.
+  void take_up_places() {
     for (const auto& [id, keyframe] : state_.keyframes) {
-      if (!state_.layer.covers(ground(*state_.graph.find(id)))) visit(walls, id);
+      if (const CloudPtr points = keyframe.cloud.get()) state_.layer.add(id, *points, state_.planes.T_base_lidar);
     }
-    synchronise(committer_, state_.layer, state_.planes.map, state_.params.topology);
+    update_places(true);
   }
 
-  void find_openings() {
+  void update_places(bool measure_all_doors) {
+    find_places(measure_all_doors);
+    synchronise(committer_, state_.layer, state_.planes.map, state_.params.topology);
+    add_wall_faces(committer_, state_.planes.map, state_.params.merging.max_angle, state_.params.topology);
+    state_.openings = find_openings(state_.layer.places(), whole_path());
+  }
+
+  void find_places(bool measure_all_doors) {
+    std::vector<Eigen::Vector2d> path;
+    for (const Eigen::Vector3d& p : whole_path()) path.push_back(p.head<2>());
+    const std::vector<Wall> walls = counted_walls();
+    const StoreyHeights storey = find_storey(state_.graph, state_.planes.map);
+    state_.layer.find(state_.graph, {walls, path, storey, state_.planes.frame.yaw, committer_.newest(), measure_all_doors}, state_.log);
+  }
+
+  // Of the base, every scan.
+  [[nodiscard]] std::vector<Eigen::Vector3d> whole_path() const {
     std::vector<Eigen::Vector3d> path;
     for (const auto& [id, keyframe] : state_.keyframes) {
       const Pose T_map_odom = *state_.graph.find(id) * keyframe.T_odom_base.inverse();
       for (const StampedPose& scan : *keyframe.scans) path.push_back((T_map_odom * scan.pose).translation);
       if (keyframe.scans->empty()) path.push_back(state_.graph.find(id)->translation);
     }
-    state_.openings = sgraph::find_openings(state_.layer.places(), path);
+    return path;
   }
 
   void find_covariances() {

@@ -22,17 +22,56 @@ void add_planes(const MapState& state, bool with_observations, GraphSnapshot& sn
   }
 }
 
-void add_places(const MapState& state, GraphSnapshot& snapshot) {
-  for (const auto& [id, record] : state.layer.rooms()) {
-    const Room* room = state.graph.find(id);
-    if (!room) continue;
-    SceneRoom& scene = snapshot.rooms[id];
-    scene.id = id;
+// A side that is mostly a gap is the door that lies in it, or an opening.
+std::vector<SceneSide> sides_of(const MapState& state, const FoundPlace& place) {
+  std::vector<SceneSide> sides;
+  const Polygon2d& polygon = place.outline.polygon;
+  for (std::size_t i = 0; i < polygon.size(); ++i) {
+    const PlaceSide& found = place.outline.sides[i];
+    SceneSide side;
+    if (found.opening > 0.5) {
+      side.kind = SceneSide::Kind::opening;
+      for (const auto& [id, record] : state.layer.doors()) {
+        const Polygon2d line{polygon[i], polygon[(i + 1) % polygon.size()]};
+        if (distance_to_outline(line, record.door.position) > 0.5) continue;
+        side.kind = SceneSide::Kind::door;
+        side.door = id;
+      }
+    } else if (found.plane.valid()) {
+      side.kind = SceneSide::Kind::wall;
+      side.plane = state.graph.representative(found.plane);
+    }
+    sides.push_back(side);
+  }
+  return sides;
+}
+
+double middle_height(const StoreyHeights& storey) { return storey.ceiling_seen ? 0.5 * (storey.floor + storey.ceiling) : storey.floor; }
+
+void add_room(const MapState& state, RoomId id, const PlaceRecord& record, GraphSnapshot& snapshot) {
+  SceneRoom& scene = snapshot.rooms[id];
+  scene.id = id;
+  scene.polygon = record.place.outline.polygon;
+  scene.edges = sides_of(state, record.place);
+  scene.storey = record.storey;
+  const Room* room = state.graph.find(id);
+  if (record.place.kind == PlaceKind::room && room != nullptr) {
     scene.center = room->center();
     scene.width = room->width;
     scene.yaw = room->yaw;
-    scene.planes = {record.shape.walls.begin(), record.shape.walls.end()};
+    for (const PlaneId wall : record.place.walls) scene.planes.push_back(state.graph.representative(wall));
+    return;
   }
+  const Eigen::Vector2d reference = record.place.reference_point();
+  scene.center = {reference.x(), reference.y(), room != nullptr ? room->z : middle_height(state.layer.storey())};
+  scene.yaw = record.place.area.yaw;
+  for (const SceneSide& side : scene.edges) {
+    if (side.kind == SceneSide::Kind::wall) scene.planes.push_back(side.plane);
+  }
+}
+
+void add_places(const MapState& state, GraphSnapshot& snapshot) {
+  for (const auto& [id, record] : state.layer.rooms()) add_room(state, id, record, snapshot);
   for (const auto& [id, record] : state.layer.corridors()) {
     const Corridor* corridor = state.graph.find(id);
     if (!corridor) continue;
@@ -41,9 +80,19 @@ void add_places(const MapState& state, GraphSnapshot& snapshot) {
     scene.center = corridor->center();
     scene.width = corridor->width;
     scene.yaw = corridor->yaw;
-    scene.length = record.shape.area.size.x();
-    scene.planes = {record.shape.walls.begin(), record.shape.walls.end()};
+    scene.length = record.place.area.size.x();
+    scene.planes = {state.graph.representative(record.place.walls[0]), state.graph.representative(record.place.walls[1])};
+    scene.polygon = record.place.outline.polygon;
+    scene.edges = sides_of(state, record.place);
+    scene.storey = record.storey;
   }
+  const StoreyHeights& storey = state.layer.storey();
+  for (const auto& [id, record] : state.layer.doors()) {
+    const FoundDoor& door = record.door;
+    snapshot.doors[id] = {id,       record.from, record.to,   {door.position.x(), door.position.y(), storey.floor},
+                          door.yaw, door.width,  door.height, record.storey};
+  }
+  if (!state.layer.rooms().empty() || !state.layer.corridors().empty()) snapshot.storeys.push_back({0, storey.floor, storey.ceiling, true});
 }
 
 }  // namespace

@@ -7,7 +7,6 @@
 #include <Eigen/Geometry>
 
 #include "doors.hpp"
-#include "sgraph_slam/core/places/dominant_wall.hpp"
 
 namespace sgraph {
 namespace {
@@ -114,24 +113,6 @@ OrientedRectangle rectangle_around(const Polygon2d& polygon) {
   Eigen::AlignedBox2d box;
   for (const Eigen::Vector2d& p : polygon) box.extend(Eigen::Vector2d(x.dot(p), y.dot(p)));
   return {box.center().x() * x + box.center().y() * y, box.sizes(), yaw_of(x)};
-}
-
-// The longest side that looks from each side of the rectangle into the hall.
-std::array<PlaneId, 4> outermost_walls(const PlaceOutline& outline, const OrientedRectangle& area) {
-  const Eigen::Vector2d x(std::cos(area.yaw), std::sin(area.yaw));
-  const std::array<Eigen::Vector2d, 4> inwards{x, -x, left_of(x), -left_of(x)};
-  std::array<PlaneId, 4> walls;
-  const std::vector<SideLine> sides = sides_of(outline.polygon);
-  for (std::size_t i = 0; i < 4; ++i) {
-    double most = 0;
-    for (std::size_t k = 0; k < sides.size(); ++k) {
-      const double facing = left_of(sides[k].direction).dot(inwards[i]);
-      if (!outline.sides[k].plane.valid() || facing < 0.9 || facing * sides[k].length <= most) continue;
-      most = facing * sides[k].length;
-      walls[i] = outline.sides[k].plane;
-    }
-  }
-  return walls;
 }
 
 // A straight piece of a corridor in an outline: between two facing sides.
@@ -370,7 +351,6 @@ void add_place(const PlaceOutline& outline, const std::vector<Wall>& walls, doub
   FoundPlace place;
   place.outline = outline;
   place.area = rectangle_around(outline.polygon);
-  place.walls = outermost_walls(outline, place.area);
   places.push_back(std::move(place));
 }
 

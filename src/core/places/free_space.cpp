@@ -3,6 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
+
+#include <Eigen/Geometry>
 
 #include "sgraph_slam/core/util/scattered_order.hpp"
 
@@ -144,20 +147,22 @@ void FreeSpace::trace(const Eigen::Vector3d& from, const Eigen::Vector3d& to, do
 }
 
 void FreeSpace::mark(const Rays& rays, const Mark& at, int sign) {
-  const Eigen::Vector3d here = at.T_map_base.translation;
-  const double margin = params_.reach + 5;  // a keyframe's viewpoints lie within metres of its pose
-  make_room(here.head<2>().array() - margin, here.head<2>().array() + margin);
   std::vector<Eigen::Vector3d> from;
-  for (const Eigen::Vector3f& viewpoint : rays.viewpoints) {
-    Eigen::Vector3d p = at.T_map_base * viewpoint.cast<double>();
-    if ((p - here).head<2>().cwiseAbs().maxCoeff() > 4.5) p = here;
-    from.push_back(p);
-  }
+  for (const Eigen::Vector3f& viewpoint : rays.viewpoints) from.push_back(at.T_map_base * viewpoint.cast<double>());
   const Eigen::Matrix3d R = at.T_map_base.rotation.toRotationMatrix();
+  std::vector<std::pair<Eigen::Vector3d, Eigen::Vector3d>> traced;
+  Eigen::AlignedBox2d box;
   for (const Ray& ray : rays.rays) {
-    const Eigen::Vector3d end = R * (end_unit * Eigen::Vector3d(ray.x, ray.y, ray.z)) + here;
-    trace(from[ray.viewpoint], end, at.floor_z);
+    const Eigen::Vector3d& begin = from[ray.viewpoint];
+    const Eigen::Vector3d end = R * (end_unit * Eigen::Vector3d(ray.x, ray.y, ray.z)) + at.T_map_base.translation;
+    const Eigen::Vector2d way = (end - begin).head<2>();
+    box.extend(begin.head<2>().eval()).extend((begin.head<2>() + std::min(1.0, params_.reach / std::max(way.norm(), 1e-9)) * way).eval());
+    traced.emplace_back(begin, end);
   }
+  if (box.isEmpty()) return;
+  const double margin = 2 * params_.resolution;
+  make_room(box.min().array() - margin, box.max().array() + margin);
+  for (const auto& [begin, end] : traced) trace(begin, end, at.floor_z);
   for (const std::size_t i : touched_) {
     FreeCell& cell = cells_[i];
     const std::uint8_t bits = touched_bits_[i];

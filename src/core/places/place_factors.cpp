@@ -38,6 +38,15 @@ std::optional<SeenWidth> seen_width(const PlaneSegment* a, const PlaneSegment* b
   return SeenWidth{a->plane.distance(middle) + b->plane.distance(middle), std::sqrt(angle2 + added_sigma * added_sigma)};
 }
 
+// The faces of a place's sides.
+std::vector<PlaneId> known_walls(const FoundPlace& place) {
+  std::vector<PlaneId> walls;
+  for (const PlaceSide& side : place.outline.sides) {
+    if (side.plane.valid()) walls.push_back(side.plane);
+  }
+  return walls;
+}
+
 double place_height(const Graph& graph, const PlaneMap& planes, const Eigen::Vector2d& center, const std::vector<PlaneId>& walls) {
   std::optional<double> floor;
   std::optional<double> ceiling;
@@ -74,9 +83,9 @@ void add_widths(Committer& committer, const TopologicalLayer& layer, const Plane
   edit.reason = "widths seen by keyframe/" + std::to_string(now.value);
   const RobustLoss loss = RobustLoss::cauchy(params.loss_scale);
   for (const auto& [id, room] : layer.rooms()) {
-    if (!committer.graph.find(id)) continue;
+    if (!committer.graph.find(id) || room.place.kind != PlaceKind::room) continue;
     for (const int axis : {0, 1}) {
-      const auto& walls = room.shape.walls;
+      const auto& walls = room.place.walls;
       const auto width = seen_width(segment_of(walls[static_cast<std::size_t>(2 * axis)]), segment_of(walls[static_cast<std::size_t>(2 * axis + 1)]),
                                     params.width_sigma);
       if (width && width->width > 0) add_factor(edit, RoomWidth{id, now, axis, width->width, width->sigma}, loss);
@@ -84,7 +93,7 @@ void add_widths(Committer& committer, const TopologicalLayer& layer, const Plane
   }
   for (const auto& [id, corridor] : layer.corridors()) {
     if (!committer.graph.find(id)) continue;
-    const auto width = seen_width(segment_of(corridor.shape.walls[0]), segment_of(corridor.shape.walls[1]), params.width_sigma);
+    const auto width = seen_width(segment_of(corridor.place.walls[0]), segment_of(corridor.place.walls[1]), params.width_sigma);
     if (width && width->width > 0) add_factor(edit, CorridorWidth{id, now, width->width, width->sigma}, loss);
   }
   if (!edit.factors.empty()) committer.commit(edit);
@@ -132,23 +141,23 @@ void add_wall_faces(Committer& committer, const PlaneMap& planes, double max_ang
 void synchronise(Committer& committer, const TopologicalLayer& layer, const PlaneMap& planes, const TopologyParams& params) {
   PlaceHeights heights;
   for (const auto& [id, room] : layer.rooms()) {
-    heights.rooms[id] = place_height(committer.graph, planes, room.shape.area.center, {room.shape.walls.begin(), room.shape.walls.end()});
+    heights.rooms[id] = place_height(committer.graph, planes, room.place.reference_point(), known_walls(room.place));
   }
   for (const auto& [id, corridor] : layer.corridors()) {
-    heights.corridors[id] =
-        place_height(committer.graph, planes, corridor.shape.area.center, {corridor.shape.walls.begin(), corridor.shape.walls.end()});
+    heights.corridors[id] = place_height(committer.graph, planes, corridor.place.reference_point(), known_walls(corridor.place));
   }
-  const Transaction edit = synchronise_topology(committer.graph, layer, heights, params);
+  const Transaction edit = synchronise_topology(committer.graph, layer, planes, heights, params);
   const bool empty =
       edit.rooms.empty() && edit.corridors.empty() && edit.factors.empty() && edit.remove_factors.empty() && edit.remove_variables.empty();
   if (!empty && !committer.commit(edit).ok()) return;
   // What the graph holds constant follows the walls; position and width start from them too.
   for (const auto& [id, room] : layer.rooms()) {
-    const auto& area = room.shape.area;
+    if (!room.place.has_node()) continue;
+    const auto& area = room.place.area;
     committer.graph.set(id, Room::at({area.center.x(), area.center.y(), heights.rooms[id]}, area.yaw, area.size));
   }
   for (const auto& [id, corridor] : layer.corridors()) {
-    const auto& area = corridor.shape.area;
+    const auto& area = corridor.place.area;
     committer.graph.set(id, Corridor::at({area.center.x(), area.center.y(), heights.corridors[id]}, area.yaw, area.size.y()));
   }
 }

@@ -7,7 +7,6 @@
 #include <Eigen/Geometry>
 
 #include "min_cut.hpp"
-#include "sgraph_slam/core/places/dominant_wall.hpp"
 
 namespace sgraph {
 namespace {

@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <utility>
 
 #include "sgraph_slam/core/graph/committer.hpp"
@@ -20,20 +21,38 @@ struct Relations {
   PairSet perpendicular;
 };
 
-Relations wanted_relations(const TopologicalLayer& layer, const TopologyParams& params) {
+// Whether two walls are at an angle of which `off` is the sine, as far as their directions are known: many views know a direction well, and a wall
+// that is then seen to be oblique is left alone.
+bool within_uncertainty(const PlaneMap& planes, PlaneId a, PlaneId b, double off, const TopologyParams& params) {
+  const PlaneRecord* first = planes.find(a);
+  const PlaneRecord* second = planes.find(b);
+  if (first == nullptr || second == nullptr || first->keyframes.empty() || second->keyframes.empty()) return false;
+  const double sigma =
+      params.view_angle_sigma * std::sqrt(1 / static_cast<double>(first->keyframes.size()) + 1 / static_cast<double>(second->keyframes.size()));
+  return std::abs(off) <= params.angle_gate * sigma;
+}
+
+Relations wanted_relations(const Graph& graph, const TopologicalLayer& layer, const PlaneMap& planes, const TopologyParams& params) {
   Relations wanted;
-  const auto add = [](PairSet& set, PlaneId a, PlaneId b) {
-    if (a != b) set.insert(ordered(a, b));
+  const auto add = [&](PairSet& set, PlaneId a, PlaneId b) {
+    const Plane* first = graph.find(a);
+    const Plane* second = graph.find(b);
+    if (a == b || first == nullptr || second == nullptr) return;
+    const Eigen::Vector2d n = first->normal.head<2>().normalized();
+    const Eigen::Vector2d m = second->normal.head<2>().normalized();
+    const double off = &set == &wanted.parallel ? n.x() * m.y() - n.y() * m.x() : n.dot(m);
+    if (within_uncertainty(planes, a, b, off, params)) set.insert(ordered(a, b));
   };
   for (const auto& [id, room] : layer.rooms()) {
-    const auto& w = room.shape.walls;
+    if (room.place.kind != PlaceKind::room) continue;
+    const auto& w = room.place.walls;
     add(wanted.parallel, w[low_x], w[high_x]);
     add(wanted.parallel, w[low_y], w[high_y]);
     for (const Side x : {low_x, high_x}) {
       for (const Side y : {low_y, high_y}) add(wanted.perpendicular, w[x], w[y]);
     }
   }
-  for (const auto& [id, corridor] : layer.corridors()) add(wanted.parallel, corridor.shape.walls[0], corridor.shape.walls[1]);
+  for (const auto& [id, corridor] : layer.corridors()) add(wanted.parallel, corridor.place.walls[0], corridor.place.walls[1]);
   if (!params.parallel_factors) wanted.parallel.clear();
   if (!params.perpendicular_factors) wanted.perpendicular.clear();
   return wanted;
@@ -77,7 +96,8 @@ void synchronise_walls(const Graph& graph, PlaceId place, std::set<std::pair<Pla
 
 }  // namespace
 
-Transaction synchronise_topology(const Graph& graph, const TopologicalLayer& layer, const PlaceHeights& heights, const TopologyParams& params) {
+Transaction synchronise_topology(const Graph& graph, const TopologicalLayer& layer, const PlaneMap& planes, const PlaceHeights& heights,
+                                 const TopologyParams& params) {
   Transaction edit;
   edit.reason = "rooms and corridors";
   const auto height = [](const auto& map, auto id) {
@@ -85,28 +105,30 @@ Transaction synchronise_topology(const Graph& graph, const TopologicalLayer& lay
     return found == map.end() ? 0.0 : found->second;
   };
   for (const auto& [id, value] : graph.rooms()) {
-    if (layer.rooms().count(id) == 0) edit.remove_variables.emplace_back(id);
+    const auto room = layer.rooms().find(id);
+    if (room == layer.rooms().end() || !room->second.place.has_node()) edit.remove_variables.emplace_back(id);
   }
   for (const auto& [id, value] : graph.corridors()) {
     if (layer.corridors().count(id) == 0) edit.remove_variables.emplace_back(id);
   }
   for (const auto& [id, room] : layer.rooms()) {
-    const auto& area = room.shape.area;
+    if (!room.place.has_node()) continue;
+    const auto& area = room.place.area;
     if (!graph.find(id)) edit.rooms[id] = Room::at({area.center.x(), area.center.y(), height(heights.rooms, id)}, area.yaw, area.size);
     std::set<std::pair<PlaneId, RoomSide>> walls;
-    for (const RoomSide side : room_sides) walls.emplace(room.shape.walls[static_cast<std::size_t>(side)], side);
+    for (const RoomSide side : room_sides) walls.emplace(room.place.walls[static_cast<std::size_t>(side)], side);
     synchronise_walls<RoomPlane>(graph, id, std::move(walls), params.wall_sigma, edit);
   }
   for (const auto& [id, corridor] : layer.corridors()) {
-    const auto& area = corridor.shape.area;
+    const auto& area = corridor.place.area;
     if (!graph.find(id))
       edit.corridors[id] = Corridor::at({area.center.x(), area.center.y(), height(heights.corridors, id)}, area.yaw, area.size.y());
     synchronise_walls<CorridorPlane>(
         graph, id,
-        std::set<std::pair<PlaneId, CorridorSide>>{{corridor.shape.walls[0], CorridorSide::right}, {corridor.shape.walls[1], CorridorSide::left}},
+        std::set<std::pair<PlaneId, CorridorSide>>{{corridor.place.walls[0], CorridorSide::right}, {corridor.place.walls[1], CorridorSide::left}},
         params.wall_sigma, edit);
   }
-  Relations wanted = wanted_relations(layer, params);
+  Relations wanted = wanted_relations(graph, layer, planes, params);
   synchronise_pairs<ParallelPlanes>(graph, std::move(wanted.parallel), params, face_pairs(graph), edit);
   synchronise_pairs<PerpendicularPlanes>(graph, std::move(wanted.perpendicular), params, {}, edit);
   return edit;

@@ -3,296 +3,279 @@
 #include <algorithm>
 #include <cmath>
 #include <iomanip>
+#include <limits>
 #include <sstream>
 
-#include "sgraph_slam/core/places/dominant_wall.hpp"
+#include <Eigen/Geometry>
 
 namespace sgraph {
 namespace {
 
-constexpr double same_place = 0.5;  // share of the smaller area: more in common and it is the same place
-constexpr double conflict = 0.2;    // less than that, but more than this: they can't both be right
-constexpr double longer = 0.5;      // gain in length that makes other walls a corridor's walls [m]
-constexpr double better = 0.03;     // gain in score that makes other walls a place's walls
+constexpr double same_place = 0.5;   // share of the smaller area: more in common and it is the same place
+constexpr double grid = 0.2;         // on which common areas are counted [m]
+constexpr double grown = 0.1;        // change of a place's area that is told of
+constexpr double same_door = 0.6;    // [m]
+constexpr double moved_door = 0.05;  // change of a known door's width by which it is measured anew [m]
+constexpr double along_side = 0.5;   // a plane along a side shares at least this much of it [m]
 
-std::string size_text(const OrientedRectangle& area) {
+std::string size_text(const FoundPlace& place) {
   std::ostringstream text;
-  text << std::fixed << std::setprecision(2) << area.size.x() << " m x " << area.size.y() << " m at (" << area.center.x() << ", " << area.center.y()
-       << ")";
+  text << std::fixed << std::setprecision(2);
+  if (place.kind == PlaceKind::hall) {
+    text << signed_area(place.outline.polygon) << " m^2 with " << place.outline.polygon.size() << " sides";
+  } else {
+    text << place.area.size.x() << " m x " << place.area.size.y() << " m";
+  }
+  const Eigen::Vector2d at = place.kind == PlaceKind::hall ? centroid(place.outline.polygon) : place.area.center;
+  text << " at (" << at.x() << ", " << at.y() << ")";
   return text.str();
 }
 
-template <std::size_t N>
-std::string plane_list(const std::array<PlaneId, N>& planes) {
+std::string planes_text(const FoundPlace& place) {
   std::string text;
-  for (const PlaneId id : planes) text += (text.empty() ? "planes " : ", ") + std::to_string(id.value);
+  for (const PlaceSide& side : place.outline.sides) {
+    if (side.plane.valid()) text += (text.empty() ? "planes " : ", ") + std::to_string(side.plane.value);
+  }
   return text;
 }
 
-double shared_share(const OrientedRectangle& a, const OrientedRectangle& b) {
-  const double smaller = std::min(a.area(), b.area());
-  return smaller > 0 ? shared_area(a, b) / smaller : 0;
+const char* kind_text(PlaceKind kind) {
+  switch (kind) {
+    case PlaceKind::room: return "room between four walls";
+    case PlaceKind::corridor: return "corridor between two walls";
+    case PlaceKind::hall: break;
+  }
+  return "hall";
 }
 
-// The same room with its sides named from another heading, nearest to `yaw`.
-RoomShape turned_to(const RoomShape& room, double yaw) {
-  const int turns = static_cast<int>(std::lround(std::remainder(yaw - room.area.yaw, 2 * M_PI) / (M_PI / 2)));
-  RoomShape turned = room;
-  constexpr std::array<Side, 4> around{high_x, high_y, low_x, low_y};
-  for (int i = 0; i < 4; ++i)
-    turned.walls[around[static_cast<std::size_t>(i)]] = room.walls[around[static_cast<std::size_t>(((i + turns) % 4 + 4) % 4)]];
-  if (turns % 2 != 0) std::swap(turned.area.size.x(), turned.area.size.y());
-  turned.area.yaw = std::remainder(room.area.yaw + turns * M_PI / 2, 2 * M_PI);
-  return turned;
+Eigen::AlignedBox2d box_of(const Polygon2d& polygon) {
+  Eigen::AlignedBox2d box;
+  for (const Eigen::Vector2d& p : polygon) box.extend(p);
+  return box;
+}
+
+double common_area(const Polygon2d& a, const Polygon2d& b) {
+  const Eigen::AlignedBox2d box = box_of(a).intersection(box_of(b));
+  if (box.isEmpty()) return 0;
+  int cells = 0;
+  for (double y = box.min().y() + 0.5 * grid; y < box.max().y(); y += grid) {
+    for (double x = box.min().x() + 0.5 * grid; x < box.max().x(); x += grid) cells += contains(a, {x, y}) && contains(b, {x, y}) ? 1 : 0;
+  }
+  return cells * grid * grid;
 }
 
 PlanePair older_first(PlaneId a, PlaneId b) { return a < b ? PlanePair{a, b} : PlanePair{b, a}; }
 
-const Wall* find_wall(const std::vector<Wall>& walls, PlaneId id) {
-  const auto found = std::find_if(walls.begin(), walls.end(), [&](const Wall& wall) { return wall.id == id; });
-  return found == walls.end() ? nullptr : &*found;
-}
-
-// Of coplanar planes the best known stands for a side of the place.
-template <class Shape, class Params>
-void prefer_dominant_walls(const std::vector<Wall>& walls, Shape& shape, const Params& params, const std::string& name, KeyframeId now,
-                           DecisionLog& log) {
-  for (PlaneId& wall : shape.walls) {
-    const PlaneId best = dominant_wall(walls, wall, shape.area, params.coplanar, 0.5 * params.parallel);
-    if (best == wall) continue;
-    log.push_back({now, true, name, "plane " + std::to_string(best.value) + " shows more of a side than plane " + std::to_string(wall.value)});
-    wall = best;
+// Pairs along the sides of a place.
+void add_pairs(const FoundPlace& place, const std::vector<Wall>& walls, KeyframeId now, int recent, const MergeParams& params,
+               std::vector<PlanePair>& pairs) {
+  const Polygon2d& polygon = place.outline.polygon;
+  for (std::size_t i = 0; i < polygon.size(); ++i) {
+    const PlaneId own = place.outline.sides[i].plane;
+    const auto face = std::find_if(walls.begin(), walls.end(), [&](const Wall& wall) { return wall.id == own; });
+    if (!own.valid() || face == walls.end()) continue;
+    const double a = face->direction().dot(polygon[i]);
+    const double b = face->direction().dot(polygon[(i + 1) % polygon.size()]);
+    const Interval side{std::min(a, b), std::max(a, b)};
+    for (const Wall& wall : walls) {
+      if (wall.id == own || wall.last_seen.value <= now.value - recent || wall.normal.dot(face->normal) < std::cos(params.max_angle)) continue;
+      const Interval stretch = hull(wall.support);
+      const double c = face->direction().dot(wall.at(stretch.low));
+      const double d = face->direction().dot(wall.at(stretch.high));
+      if (overlap(side, {std::min(c, d), std::max(c, d)}) < along_side || std::abs(face->distance(wall.at(stretch.center()))) > params.max_distance)
+        continue;
+      pairs.push_back(older_first(own, wall.id));
+    }
   }
-}
-
-std::vector<Wall> recent_walls(const std::vector<Wall>& walls, KeyframeId now, int recent) {
-  std::vector<Wall> seen;
-  for (const Wall& wall : walls) {
-    if (wall.last_seen.value > now.value - recent) seen.push_back(wall);
-  }
-  return seen;
 }
 
 }  // namespace
 
-void TopologicalLayer::refuse(const Visit& visit, const std::string& what, const std::string& reason, DecisionLog& log) {
-  if (refused_.insert(what + reason).second) log.push_back({visit.keyframe, false, what, reason});
-}
-
-bool TopologicalLayer::same_wall(const std::vector<Wall>& walls, PlaneId a, PlaneId b, const Eigen::Vector2d& near) const {
-  const Wall* wall_a = find_wall(walls, a);
-  const Wall* wall_b = find_wall(walls, b);
-  if (!wall_a || !wall_b || wall_a->normal.dot(wall_b->normal) < std::cos(params_.merging.max_angle)) return false;
-  const Eigen::Vector2d foot = near - wall_a->distance(near) * wall_a->normal;
-  return std::abs(wall_b->distance(foot)) <= params_.merging.max_distance;
-}
-
-void TopologicalLayer::follow_merges(const Graph& graph) {
-  for (auto& [id, room] : rooms_) {
-    for (PlaneId& wall : room.shape.walls) wall = graph.representative(wall);
-  }
-  for (auto& [id, corridor] : corridors_) {
-    for (PlaneId& wall : corridor.shape.walls) wall = graph.representative(wall);
-  }
-}
-
-std::vector<PlanePair> TopologicalLayer::visit(Graph& graph, const std::vector<Wall>& walls, const Visit& visit, DecisionLog& log) {
-  follow_merges(graph);
-  const std::vector<Wall> recent = recent_walls(walls, visit.keyframe, params_.topology.recent);
-  for (const auto* among : {&recent, &walls}) {
-    if (!params_.topology.rooms) break;
-    const RoomSearch search = find_room(*among, visit.position, visit.building_yaw, params_.rooms);
-    if (search.room) return take_room(graph, *search.room, walls, visit, log);
-  }
-  const bool in_room = std::any_of(rooms_.begin(), rooms_.end(), [&](const auto& entry) { return entry.second.shape.area.contains(visit.position); });
-  if (in_room) return {};
-  for (const auto* among : {&walls, &recent}) {
-    if (!params_.topology.corridors) break;
-    const CorridorSearch search = find_corridor(*among, visit.position, visit.building_yaw, params_.corridors);
-    if (search.corridor) return take_corridor(graph, *search.corridor, walls, visit, log);
-  }
-  return {};
-}
-
-std::vector<PlanePair> TopologicalLayer::know_again(RoomId id, RoomRecord& known, const RoomShape& found, const std::vector<Wall>& walls,
-                                                    const Visit& visit, DecisionLog& log) {
-  const RoomShape turned = turned_to(found, known.shape.area.yaw);
-  if (turned.walls == known.shape.walls) {
-    known.shape = turned;
-    known.history.failures = 0;
-    return {};
-  }
-  std::vector<PlanePair> one_wall;
-  for (std::size_t side = 0; side < 4; ++side) {
-    const PlaneId a = known.shape.walls[side];
-    const PlaneId b = turned.walls[side];
-    if (a != b && same_wall(walls, a, b, known.shape.area.center)) one_wall.push_back(older_first(a, b));
-  }
-  if (known.history.failures > 0 || room_score(turned) > room_score(known.shape) + better) {
-    log.push_back({visit.keyframe, true, "room/" + std::to_string(id.value),
-                   "better walls: " + plane_list(turned.walls) + " in place of " + plane_list(known.shape.walls) + "; " + size_text(turned.area)});
-    known.shape = turned;
-    known.history.failures = 0;
-  }
-  return one_wall;
-}
-
-std::vector<PlanePair> TopologicalLayer::take_room(Graph& graph, const RoomShape& found, const std::vector<Wall>& walls, const Visit& visit,
-                                                   DecisionLog& log) {
-  const std::string what = "room of " + plane_list(found.walls);
-  RoomRecord* same = nullptr;
-  RoomId same_id;
-  double most = same_place;
-  for (auto& [id, room] : rooms_) {
-    const double shared = shared_share(room.shape.area, found.area);
-    if (shared > most) {
-      most = shared;
-      same = &room;
-      same_id = id;
-    }
-  }
-  if (same) return know_again(same_id, *same, found, walls, visit, log);
-  for (const auto& [id, room] : rooms_) {
-    if (shared_share(room.shape.area, found.area) <= conflict) continue;
-    refuse(visit, what, "overlaps room/" + std::to_string(id.value), log);
-    return {};
-  }
-  std::optional<CorridorId> was;
-  for (const auto& [id, corridor] : corridors_) {
-    const double shared = shared_share(corridor.shape.area, found.area);
-    // A room that is but a piece of a corridor would be one between two things standing in it.
-    if (shared_area(corridor.shape.area, found.area) > same_place * corridor.shape.area.area()) {
-      was = id;
-    } else if (shared > conflict) {
-      refuse(visit, what, "overlaps corridor/" + std::to_string(id.value), log);
-      return {};
-    }
-  }
-  const RoomId id = graph.new_room_id();
-  rooms_[id] = {found, {visit.keyframe, 0, was}};
-  std::string reason = "four walls (" + plane_list(found.walls) + ") around " + size_text(found.area);
-  if (was) {
-    corridors_.erase(*was);
-    reason = "upgraded from corridor/" + std::to_string(was->value) + ", whose end walls have appeared: " + reason;
-  }
-  log.push_back({visit.keyframe, true, "room/" + std::to_string(id.value), reason});
-  return {};
-}
-
-std::vector<PlanePair> TopologicalLayer::take_corridor(Graph& graph, const CorridorShape& found, const std::vector<Wall>& walls, const Visit& visit,
-                                                       DecisionLog& log) {
-  const std::string what = "corridor of " + plane_list(found.walls);
-  for (const auto& [id, room] : rooms_) {
-    if (shared_area(room.shape.area, found.area) <= conflict * std::min(room.shape.area.area(), found.area.area())) continue;
-    refuse(visit, what, "overlaps room/" + std::to_string(id.value), log);
-    return {};
-  }
-  for (auto& [id, known] : corridors_) {
-    const bool parallel = std::abs(std::remainder(known.shape.area.yaw - found.area.yaw, M_PI)) < params_.corridors.parallel;
-    if (!same_corridor(known.shape, found, params_.corridors) && (!parallel || shared_share(known.shape.area, found.area) <= same_place)) continue;
-    std::vector<PlanePair> one_wall;
-    const bool reversed = std::abs(std::remainder(known.shape.area.yaw - found.area.yaw, 2 * M_PI)) > M_PI / 2;
-    for (std::size_t side = 0; side < 2; ++side) {
-      const PlaneId a = known.shape.walls[side];
-      const PlaneId b = found.walls[reversed ? 1 - side : side];
-      if (a != b && same_wall(walls, a, b, found.area.center)) one_wall.push_back(older_first(a, b));
-    }
-    if (found.walls == known.shape.walls || known.history.failures > 0 || found.area.size.x() > known.shape.area.size.x() + longer)
-      known.shape = found;
-    known.history.failures = 0;
-    return one_wall;
-  }
-  const CorridorId id = graph.new_corridor_id();
-  corridors_[id] = {found, {visit.keyframe, 0, std::nullopt}};
-  log.push_back(
-      {visit.keyframe, true, "corridor/" + std::to_string(id.value), "two facing walls (" + plane_list(found.walls) + "), " + size_text(found.area)});
-  return {};
-}
-
-void TopologicalLayer::judge_rooms(const std::vector<Wall>& walls, const std::set<PlaneId>* touched, KeyframeId now, DecisionLog& log) {
-  for (auto room = rooms_.begin(); room != rooms_.end();) {
-    RoomShape& shape = room->second.shape;
-    const auto concerned = [&](PlaneId id) { return touched->count(id) > 0; };
-    if (touched && std::none_of(shape.walls.begin(), shape.walls.end(), concerned)) {
-      ++room;
+StoreyHeights find_storey(const Graph& graph, const PlaneMap& planes) {
+  StoreyHeights storey;
+  double base = 0;
+  for (const auto& [id, pose] : graph.keyframes()) base += pose.translation.z() / static_cast<double>(graph.keyframes().size());
+  double largest_floor = 0;
+  double largest_ceiling = 0;
+  double lowest = std::numeric_limits<double>::infinity();
+  for (const auto& [id, record] : planes.records()) {
+    const Plane* plane = graph.find(id);
+    if (plane == nullptr || record.outline.empty()) continue;
+    Eigen::AlignedBox3d box;
+    for (const Eigen::Vector3d& corner : record.outline) box.extend(corner);
+    if (record.plane_class != PlaneClass::horizontal) {
+      lowest = std::min(lowest, box.min().z());
       continue;
     }
-    const std::string name = "room/" + std::to_string(room->first.value);
-    prefer_dominant_walls(walls, shape, params_.rooms, name, now, log);
-    const RoomSearch search = judge_room(walls, shape, params_.rooms, params_.topology.judge_slack);
-    const auto twin =
-        std::find_if(rooms_.begin(), room, [&](const auto& other) { return shared_share(other.second.shape.area, shape.area) > same_place; });
-    if (search.room) {
-      shape = turned_to(*search.room, shape.area.yaw);
-      room->second.history.failures = 0;
-    } else {
-      ++room->second.history.failures;
+    const double z = box.center().z();
+    const double area = box.sizes().x() * box.sizes().y();
+    if (plane->normal.z() > 0 && z < base + 0.1 && area > largest_floor) {
+      largest_floor = area;
+      storey.floor = z;
     }
-    if (twin != room) {
-      log.push_back({now, false, name, "withdrawn: it is room/" + std::to_string(twin->first.value)});
-      room = rooms_.erase(room);
-    } else if (room->second.history.failures >= params_.topology.withdraw_after) {
-      log.push_back({now, false, name, std::string("withdrawn: ") + to_string(search.verdict)});
-      room = rooms_.erase(room);
-    } else {
-      ++room;
+    if (plane->normal.z() < 0 && z > base && area > largest_ceiling) {
+      largest_ceiling = area;
+      storey.ceiling = z;
+      storey.ceiling_seen = true;
     }
   }
+  if (largest_floor == 0) storey.floor = std::isfinite(lowest) ? std::min(lowest, base) : base;
+  if (!storey.ceiling_seen) storey.ceiling = storey.floor;
+  return storey;
 }
 
-void TopologicalLayer::judge_corridors(const std::vector<Wall>& walls, const std::set<PlaneId>* touched, KeyframeId now, DecisionLog& log) {
-  for (auto corridor = corridors_.begin(); corridor != corridors_.end();) {
-    CorridorShape& shape = corridor->second.shape;
-    const auto concerned = [&](PlaneId id) { return touched->count(id) > 0; };
-    if (touched && std::none_of(shape.walls.begin(), shape.walls.end(), concerned)) {
-      ++corridor;
-      continue;
+std::string TopologicalLayer::name_of(const Known& known) { return (known.corridor ? "corridor/" : "room/") + std::to_string(known.id); }
+
+std::vector<PlanePair> TopologicalLayer::shown_at(const std::vector<Wall>& walls, const Eigen::Vector2d& position, KeyframeId now) const {
+  std::vector<PlanePair> pairs;
+  const auto look = [&](const auto& records) {
+    for (const auto& [id, record] : records) {
+      if (contains(record.place.outline.polygon, position)) add_pairs(record.place, walls, now, params_.topology.recent, params_.merging, pairs);
     }
-    const std::string name = "corridor/" + std::to_string(corridor->first.value);
-    prefer_dominant_walls(walls, shape, params_.corridors, name, now, log);
-    const CorridorSearch search = judge_corridor(walls, shape, params_.corridors, params_.topology.judge_slack);
-    if (search.corridor) {
-      shape = *search.corridor;
-      corridor->second.history.failures = 0;
-    } else {
-      ++corridor->second.history.failures;
+  };
+  look(rooms_);
+  look(corridors_);
+  return pairs;
+}
+
+std::vector<std::string> TopologicalLayer::give_names(Graph& graph, std::vector<FoundPlace> found, KeyframeId now, DecisionLog& log) {
+  std::vector<Known> known;
+  for (const auto& [id, record] : rooms_) known.push_back({false, id.value, record, false});
+  for (const auto& [id, record] : corridors_) known.push_back({true, id.value, record, false});
+  for (const Known& lost : lost_) known.push_back(lost);
+  // Which of the known is which of the found: those that share most first, those not lost before lost ones, older before younger.
+  struct Match {
+    double common;
+    std::size_t known, found;
+  };
+  std::vector<Match> matches;
+  for (std::size_t k = 0; k < known.size(); ++k) {
+    for (std::size_t f = 0; f < found.size(); ++f) {
+      const Polygon2d& a = known[k].record.place.outline.polygon;
+      const Polygon2d& b = found[f].outline.polygon;
+      const double common = common_area(a, b);
+      if (common > same_place * std::min(signed_area(a), signed_area(b))) matches.push_back({common, k, f});
     }
-    const auto twin = std::find_if(corridors_.begin(), corridor, [&](const auto& other) {
-      return shared_share(other.second.shape.area, shape.area) > same_place || same_corridor(other.second.shape, shape, params_.corridors);
-    });
-    const auto room =
-        std::find_if(rooms_.begin(), rooms_.end(), [&](const auto& other) { return shared_share(other.second.shape.area, shape.area) > same_place; });
+  }
+  std::stable_sort(matches.begin(), matches.end(), [&](const Match& a, const Match& b) {
+    if (known[a.known].lost != known[b.known].lost) return known[b.known].lost;
+    return a.common > b.common + 1e-9;
+  });
+  const std::size_t none = known.size();
+  std::vector<std::size_t> known_of(found.size(), none);
+  std::vector<std::size_t> found_of(known.size(), found.size());
+  for (const Match& match : matches) {
+    if (known_of[match.found] != none || found_of[match.known] != found.size()) continue;
+    known_of[match.found] = match.known;
+    found_of[match.known] = match.found;
+  }
+  rooms_.clear();
+  corridors_.clear();
+  lost_.clear();
+  std::vector<std::string> names(found.size());
+  for (std::size_t f = 0; f < found.size(); ++f) {
+    const bool corridor = found[f].kind == PlaceKind::corridor;
+    const std::size_t k = known_of[f];
+    const bool keeps = k != none && known[k].corridor == corridor;
+    const std::int64_t id = keeps ? known[k].id : corridor ? graph.new_corridor_id().value : graph.new_room_id().value;
+    PlaceRecord record{std::move(found[f]), keeps ? known[k].record.since : now, 0};
+    names[f] = name_of({corridor, id, {}, false});
     std::string reason;
-    if (twin != corridor) {
-      reason = "it is corridor/" + std::to_string(twin->first.value);
-      if (shape.area.size.x() > twin->second.shape.area.size.x()) twin->second.shape = shape;
-    }
-    if (room != rooms_.end()) reason = "its walls are those of room/" + std::to_string(room->first.value);
-    if (corridor->second.history.failures >= params_.topology.withdraw_after) reason = to_string(search.verdict);
-    if (reason.empty()) {
-      ++corridor;
+    if (!keeps) {
+      reason = std::string(kind_text(record.place.kind)) + " (" + planes_text(record.place) + "), " + size_text(record.place);
+      if (k != none) reason = "was " + name_of(known[k]) + ": " + reason;
+      if (k == none) {
+        const auto parent = std::find_if(matches.begin(), matches.end(), [&](const Match& m) { return m.found == f; });
+        if (parent != matches.end()) reason = "split from " + name_of(known[parent->known]) + ": " + reason;
+      }
     } else {
-      log.push_back({now, false, name, "withdrawn: " + reason});
-      corridor = corridors_.erase(corridor);
+      const double before = signed_area(known[k].record.place.outline.polygon);
+      const double after = signed_area(record.place.outline.polygon);
+      if (known[k].lost) {
+        reason = "found again: " + size_text(record.place);
+      } else if (std::abs(after - before) > grown * before || known[k].record.place.kind != record.place.kind) {
+        reason = std::string(after > before ? "grew" : "shrank") + " from " + size_text(known[k].record.place) + " to " + size_text(record.place);
+      }
+    }
+    if (!reason.empty()) log.push_back({now, true, names[f], reason});
+    if (corridor) {
+      corridors_[{id}] = std::move(record);
+    } else {
+      rooms_[{id}] = std::move(record);
     }
   }
+  for (std::size_t k = 0; k < known.size(); ++k) {
+    if (found_of[k] != found.size()) continue;
+    const auto into = std::find_if(matches.begin(), matches.end(), [&](const Match& m) { return m.known == k; });
+    if (!known[k].lost) {
+      const std::string reason = into != matches.end() ? "joined " + names[into->found] : "withdrawn: no walls and free floor make it any more";
+      log.push_back({now, false, name_of(known[k]), reason});
+    }
+    known[k].lost = true;
+    lost_.push_back(known[k]);
+  }
+  return names;
 }
 
-void TopologicalLayer::judge(const Graph& graph, const std::vector<Wall>& walls, const std::set<PlaneId>* touched, KeyframeId now, DecisionLog& log) {
-  follow_merges(graph);
-  judge_rooms(walls, touched, now, log);
-  judge_corridors(walls, touched, now, log);
+void TopologicalLayer::give_names_to_doors(const std::vector<FoundDoor>& found, const std::vector<std::string>& names, bool measure_all,
+                                           KeyframeId now, DecisionLog& log) {
+  std::map<DoorId, DoorRecord> doors;
+  for (const FoundDoor& seen : found) {
+    DoorRecord record{seen, names[seen.places[0]], names[seen.places[1]], 0};
+    const auto known = std::find_if(doors_.begin(), doors_.end(), [&](const auto& entry) {
+      return doors.count(entry.first) == 0 && (entry.second.door.position - seen.position).norm() < same_door;
+    });
+    const bool same = known != doors_.end() && std::abs(known->second.door.width - seen.width) < moved_door && !measure_all;
+    if (same) {
+      record.door.width = known->second.door.width;
+      record.door.height = known->second.door.height;
+    } else {
+      measure_door(space_, record.door);
+    }
+    const DoorId id = known != doors_.end() ? known->first : DoorId{next_door_++};
+    if (known == doors_.end()) {
+      std::ostringstream reason;
+      reason << std::fixed << std::setprecision(2) << "gap of " << record.door.width << " m between " << record.from << " and " << record.to;
+      log.push_back({now, true, "door/" + std::to_string(id.value), reason.str()});
+    }
+    doors[id] = std::move(record);
+  }
+  for (const auto& [id, record] : doors_) {
+    if (doors.count(id) == 0) log.push_back({now, false, "door/" + std::to_string(id.value), "withdrawn: no gap between two places any more"});
+  }
+  doors_ = std::move(doors);
+}
+
+void TopologicalLayer::find(Graph& graph, const Survey& survey, DecisionLog& log) {
+  storey_ = survey.storey;
+  space_.update(graph.keyframes(), storey_.floor);
+  FoundPlaces found = find_places(space_, survey.walls, survey.path, survey.building_yaw, params_.places);
+  std::vector<FoundPlace> places;
+  std::vector<std::size_t> number(found.places.size(), found.places.size());
+  for (std::size_t i = 0; i < found.places.size(); ++i) {
+    const bool wanted = found.places[i].kind == PlaceKind::corridor ? params_.topology.corridors : params_.topology.rooms;
+    if (!wanted) continue;
+    number[i] = places.size();
+    places.push_back(std::move(found.places[i]));
+  }
+  std::vector<FoundDoor> doors;
+  for (FoundDoor door : found.doors) {
+    door.places = {number[door.places[0]], number[door.places[1]]};
+    if (door.places[0] < places.size() && door.places[1] < places.size()) doors.push_back(door);
+  }
+  const std::vector<std::string> names = give_names(graph, std::move(places), survey.now, log);
+  give_names_to_doors(doors, names, survey.measure_all_doors, survey.now, log);
 }
 
 bool TopologicalLayer::covers(const Eigen::Vector2d& position) const {
-  const auto inside = [&](const auto& entry) { return entry.second.shape.area.contains(position); };
+  const auto inside = [&](const auto& entry) { return contains(entry.second.place.outline.polygon, position); };
   return std::any_of(rooms_.begin(), rooms_.end(), inside) || std::any_of(corridors_.begin(), corridors_.end(), inside);
 }
 
 std::vector<Place> TopologicalLayer::places() const {
   std::vector<Place> places;
-  for (const auto& [id, room] : rooms_) places.push_back({"room/" + std::to_string(id.value), room.shape.area});
-  for (const auto& [id, corridor] : corridors_) places.push_back({"corridor/" + std::to_string(id.value), corridor.shape.area});
+  for (const auto& [id, record] : rooms_) places.push_back({"room/" + std::to_string(id.value), record.place.outline.polygon});
+  for (const auto& [id, record] : corridors_) places.push_back({"corridor/" + std::to_string(id.value), record.place.outline.polygon});
   return places;
 }
 

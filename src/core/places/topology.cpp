@@ -6,7 +6,7 @@ namespace sgraph {
 namespace {
 
 const Place* place_of(const std::vector<Place>& places, const Eigen::Vector2d& position) {
-  const auto found = std::find_if(places.begin(), places.end(), [&](const Place& place) { return place.area.contains(position); });
+  const auto found = std::find_if(places.begin(), places.end(), [&](const Place& place) { return contains(place.outline, position); });
   return found == places.end() ? nullptr : &*found;
 }
 

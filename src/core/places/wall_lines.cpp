@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "sgraph_slam/core/places/dominant_wall.hpp"
-
 namespace sgraph {
 namespace {
 
@@ -186,6 +184,12 @@ void find_gaps(WallLine& line, const Profile& profile, const FreeSpace& space, c
 }
 
 }  // namespace
+
+double trust(const Wall& wall) {
+  constexpr double known_well = 10;  // views
+  const auto views = static_cast<double>(wall.views);
+  return (1 + views) / (known_well + views);
+}
 
 std::vector<WallLine> find_wall_lines(const std::vector<Wall>& walls, const FreeSpace& space, const std::vector<Eigen::Vector2d>& path,
                                       const PlaceParams& params) {

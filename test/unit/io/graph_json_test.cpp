@@ -45,6 +45,15 @@ class RandomSnapshot {
     snapshot.rooms[{2}] = {{2}, point(), {number(), number()}, number(), {{0}, {1}, {4}, {9}}};
     snapshot.corridors[{5}] = {{5}, point(), number(), number(), number(), {{16}, {25}}};
     snapshot.openings.push_back({"room/2", "corridor/5", point()});
+    SceneRoom hall;  // without a width
+    hall.id = {3};
+    hall.planes = {{0}, {4}};
+    hall.polygon = {{0, 0}, {number(), 0}, {number(), number()}};
+    hall.edges = {{SceneSide::Kind::wall, {4}, {}}, {SceneSide::Kind::door, {}, {1}}, {}};
+    hall.storey = 1;
+    snapshot.rooms[hall.id] = hall;
+    snapshot.doors[{1}] = {{1}, "room/2", "room/3", point(), number(), 0.9, 2.05, 1};
+    snapshot.storeys.push_back({1, number(), number(), true});
     snapshot.factors_json = R"([{"id":0,"type":"odometry","pose":[0.1,1e-300,3]}])";
   }
 
@@ -146,7 +155,11 @@ TEST(GraphJson, DamageIsAnErrorThatNamesIt) {
   for (const auto& [key, value] : graph.items()) {
     json less = graph;
     less.erase(key);
-    EXPECT_THAT(error_of(less.dump()), HasSubstr(key));
+    if (key == "doors" || key == "storeys") {  // graphs written before places had outlines have none
+      EXPECT_EQ(error_of(less.dump()), "");
+    } else {
+      EXPECT_THAT(error_of(less.dump()), HasSubstr(key));
+    }
   }
   json other = graph;
   for (const json& id : {json(1.5), json(1e300), json(18446744073709551615U), json("1")}) {

@@ -66,7 +66,8 @@ TEST_F(FolderTest, AMapHasAllItsFiles) {
   const SmallRoom room(0.3);
   const Trajectory path_walked{{{1}, Pose()}, {{2}, Pose{Eigen::Quaterniond::Identity(), {1, 0, 0}}}};
   write_map(path("map"), room.snapshot, path_walked, room.T_base_lidar(), OutputParams());
-  for (const char* name : {"graph.json", "keyframes.tum", "map.pcd", "map.pgm", "map.yaml", "floor_plan.png", "floor_plan.svg", "decisions.csv"}) {
+  for (const char* name :
+       {"graph.json", "keyframes.tum", "map.pcd", "map.pgm", "map.yaml", "floor_plan.png", "floor_plan.svg", "floor_plan.dxf", "decisions.csv"}) {
     EXPECT_GT(fs::file_size(path(std::string("map/") + name)), 25U) << name;
   }
   EXPECT_EQ(parse_graph_json(read_file(path("map/graph.json"))).rooms.size(), 1U);

@@ -1,6 +1,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <sstream>
+
 #include "sgraph_slam/core/io/floor_plan.hpp"
 #include "sgraph_slam/core/io/occupancy_grid.hpp"
 #include "small_room.hpp"
@@ -182,6 +184,37 @@ TEST(FloorPlan, IsDrawnAtALegibleSize) {
   for (const char* words : {"<svg ", "Room 7", "6.00 x 4.00 m", "1 room, 0 corridors, path 1.4 m", "2 m", "</svg>"})
     EXPECT_THAT(svg, HasSubstr(words));
   EXPECT_EQ(svg.find("nan"), std::string::npos);
+}
+
+TEST(FloorPlan, HallsAndDoorsAreDrawn) {
+  SmallRoom room;
+  SceneRoom hall;
+  hall.id = {8};
+  hall.center = {1, 1, 1};
+  hall.polygon = {{0, 0}, {5, 0}, {5, 2}, {2, 2}, {2, 4}, {0, 4}};
+  room.snapshot.rooms[hall.id] = hall;
+  room.snapshot.doors[{3}] = {{3}, "room/7", "room/8", {3, 1, 0}, 0, 0.95, 2.1, 0};
+  const FloorPlan plan = make_floor_plan(room.snapshot, grid_of(room), {});
+  EXPECT_NEAR(plan.places.back().area, 14, 1e-9);
+  const std::string svg = floor_plan_svg(plan);
+  for (const char* words : {"Hall 8", "14.00 m2", "1 door,"}) EXPECT_THAT(svg, HasSubstr(words));
+}
+
+TEST(FloorPlan, IsWrittenForCad) {
+  SmallRoom room;
+  room.snapshot.doors[{3}] = {{3}, "room/7", "room/8", {3, 1, 0}, 0, 0.95, 2.1, 0};
+  const std::string dxf = floor_plan_dxf(make_floor_plan(room.snapshot, grid_of(room), {}));
+  for (const char* words : {"AC1009", "WALLS", "DOORS", "PLACES", "Room 7", "24.00 m2, 6.00 x 4.00 m", "0\nENDSEC\n0\nEOF\n"})
+    EXPECT_THAT(dxf, HasSubstr(words));
+  // Codes and values take turns, a line each.
+  std::istringstream lines(dxf);
+  std::string code;
+  std::string value;
+  while (std::getline(lines, code)) {
+    ASSERT_TRUE(std::getline(lines, value));
+    EXPECT_NO_THROW(static_cast<void>(std::stoi(code))) << code;
+  }
+  EXPECT_EQ(value, "EOF");
 }
 
 TEST(FloorPlan, OfNothingIsStillAPicture) {

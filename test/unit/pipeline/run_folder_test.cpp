@@ -78,8 +78,8 @@ TEST_F(RunFolderTest, HoldsEverythingAndAgreesWithItself) {
   info.wall_seconds = 2;
   info.dropped_before = {{"layout", 3}};
   write_run(folder_.string(), pipeline->run(), Params(), info);
-  EXPECT_THAT(files(), ElementsAre("decisions.csv", "floor_plan.png", "floor_plan.svg", "graph.json", "keyframes.tum", "map.pcd", "map.pgm",
-                                   "map.yaml", "params.yaml", "report.json", "timings.csv", "trajectory.tum", "trajectory_live.tum"));
+  EXPECT_THAT(files(), ElementsAre("decisions.csv", "floor_plan.dxf", "floor_plan.png", "floor_plan.svg", "graph.json", "keyframes.tum", "map.pcd",
+                                   "map.pgm", "map.yaml", "params.yaml", "report.json", "timings.csv", "trajectory.tum", "trajectory_live.tum"));
 
   // Every scan that was accepted is in both trajectories, under its own stamp; the walk is 3.9 m straight ahead.
   const Trajectory trajectory = read_tum(path("trajectory.tum"));

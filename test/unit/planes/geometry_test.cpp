@@ -4,9 +4,10 @@
 #include <random>
 
 #include "sgraph_slam/core/math/so3.hpp"
-#include "sgraph_slam/core/places/place_view.hpp"
+#include "sgraph_slam/core/places/oriented_rectangle.hpp"
 #include "sgraph_slam/core/planes/intervals.hpp"
 #include "sgraph_slam/core/planes/outline.hpp"
+#include "sgraph_slam/core/planes/wall.hpp"
 
 namespace sgraph {
 namespace {

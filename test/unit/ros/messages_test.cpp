@@ -154,6 +154,16 @@ GraphSnapshot random_snapshot(unsigned seed) {
   snapshot.rooms.insert({{3}, {{3}, draw.vector(), {4.5, 6.25}, draw.number(), {{0}, {2}, {4}, {6}}}});
   snapshot.corridors.insert({{1}, {{1}, draw.vector(), 1.9, draw.number(), 12.5, {{8}, {2}}}});
   snapshot.openings.push_back({"room/3", "corridor/1", draw.vector()});
+  SceneRoom hall;
+  hall.id = {5};
+  hall.center = draw.vector();
+  hall.planes = {{0}, {2}};
+  hall.polygon = {{0, 0}, {4, draw.number()}, {3, 5}};
+  hall.edges = {{SceneSide::Kind::wall, {2}, {}}, {SceneSide::Kind::door, {}, {7}}, {SceneSide::Kind::opening, {}, {}}};
+  hall.storey = 2;
+  snapshot.rooms.insert({hall.id, hall});
+  snapshot.doors.insert({{7}, {{7}, "room/3", "room/5", draw.vector(), draw.number(), 0.95, 2.1, 2}});
+  snapshot.storeys.push_back({2, draw.number(), draw.number(), true});
   return snapshot;
 }
 
@@ -169,6 +179,26 @@ void expect_same_places(const GraphSnapshot& a, const GraphSnapshot& b) {
   EXPECT_EQ(corridor.yaw, b.corridors.at({1}).yaw);
   EXPECT_EQ(corridor.length, b.corridors.at({1}).length);
   EXPECT_EQ(corridor.planes, b.corridors.at({1}).planes);
+  const SceneRoom& hall = a.rooms.at({5});
+  EXPECT_FALSE(b.rooms.at({5}).is_rectangle());
+  EXPECT_EQ(hall.polygon, b.rooms.at({5}).polygon);
+  EXPECT_EQ(hall.storey, b.rooms.at({5}).storey);
+  ASSERT_EQ(hall.edges.size(), b.rooms.at({5}).edges.size());
+  for (std::size_t i = 0; i < hall.edges.size(); ++i) {
+    EXPECT_EQ(hall.edges[i].kind, b.rooms.at({5}).edges[i].kind);
+    EXPECT_EQ(hall.edges[i].plane, b.rooms.at({5}).edges[i].plane);
+    EXPECT_EQ(hall.edges[i].door, b.rooms.at({5}).edges[i].door);
+  }
+  const SceneDoor& door = a.doors.at({7});
+  EXPECT_EQ(door.from, b.doors.at({7}).from);
+  EXPECT_EQ(door.to, b.doors.at({7}).to);
+  EXPECT_EQ(door.position, b.doors.at({7}).position);
+  EXPECT_EQ(door.yaw, b.doors.at({7}).yaw);
+  EXPECT_EQ(door.width, b.doors.at({7}).width);
+  EXPECT_EQ(door.height, b.doors.at({7}).height);
+  ASSERT_EQ(b.storeys.size(), 1U);
+  EXPECT_EQ(a.storeys[0].z, b.storeys[0].z);
+  EXPECT_TRUE(b.storeys[0].height_known);
   ASSERT_EQ(a.openings.size(), b.openings.size());
   EXPECT_EQ(a.openings[0].from, b.openings[0].from);
   EXPECT_EQ(a.openings[0].to, b.openings[0].to);

@@ -8,7 +8,7 @@
 namespace sgraph {
 
 /// Writes what is known of a map into a folder, which is made when it isn't there: graph.json, keyframes.tum, map.pcd, map.pgm and map.yaml,
-/// floor_plan.png and floor_plan.svg, decisions.csv. `path`: base poses in the map, for the drawing. Throws std::runtime_error with the file and the
+/// floor_plan.png, .svg and .dxf, decisions.csv. `path`: base poses in the map, for the drawing. Throws std::runtime_error with the file and the
 /// reason.
 void write_map(const std::string& folder, const GraphSnapshot& snapshot, const Trajectory& path, const Pose& T_base_lidar,
                const OutputParams& params);

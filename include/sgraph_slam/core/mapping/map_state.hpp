@@ -32,7 +32,7 @@ struct MapState {
       : params(p),
         clouds(std::move(clouds_)),
         planes({p.factors, p.association, p.semantics, p.merging}, T_base_lidar),
-        layer({p.topology, p.rooms, p.corridors, p.merging}),
+        layer({p.topology, p.places, p.free_space, p.merging}),
         loops{p.loops, T_base_lidar, {}} {}
 
   MappingParams params;
@@ -52,7 +52,6 @@ struct MapState {
   std::set<PlanePair> pending_merges;  ///< planes that a place showed to be one, since the last global solve
   int since_global = 0;                ///< keyframes since the last global solve
   bool optimized = false;              ///< since the last keyframe
-  KeyframeId last_revisited;           ///< position looked at last for a place
 };
 
 }  // namespace sgraph

@@ -34,8 +34,8 @@ struct MappingParams {
   SemanticsParams semantics;
   MergeParams merging;
   TopologyParams topology;
-  RoomParams rooms;
-  CorridorParams corridors;
+  PlaceParams places;
+  FreeSpaceParams free_space;
   LoopParams loops;
   SolveParams solving;
 
@@ -46,8 +46,8 @@ struct MappingParams {
     v.group("semantics", semantics, "Axes of the building and classes of planes.");
     v.group("merging", merging, "Planes that turn out to be one.");
     v.group("topology", topology, "Factors of rooms and corridors.");
-    v.group("rooms", rooms, "Which walls make a room.");
-    v.group("corridors", corridors, "Which walls make a corridor.");
+    v.group("places", places, "What bounds and parts places.");
+    v.group("free_space", free_space, "The raster of free floor on which places are found.");
     v.group("loops", loops, "Loop closure by scan matching.");
     v.group("solving", solving, "When the graph is solved, and how.");
   }

@@ -3,8 +3,8 @@
 #include <array>
 #include <vector>
 
+#include "sgraph_slam/core/places/oriented_rectangle.hpp"
 #include "sgraph_slam/core/places/place_outline.hpp"
-#include "sgraph_slam/core/places/place_view.hpp"
 
 namespace sgraph {
 
@@ -18,22 +18,14 @@ enum class PlaceKind {
 struct FoundPlace {
   PlaceKind kind = PlaceKind::hall;
   PlaceOutline outline;
-  OrientedRectangle area;  ///< room: between its walls; corridor: x along it; hall: the rectangle around it along its longest side
-  /// Room: at -x, +x, -y, +y; hall: the outermost to these sides, invalid where no wall looks that way; corridor: the first two, at the right and the
-  /// left hand.
-  std::array<PlaneId, 4> walls;
+  OrientedRectangle area;        ///< room: between its walls; corridor: x along it; hall: the rectangle around it along its longest side
+  std::array<PlaneId, 4> walls;  ///< room: at -x, +x, -y, +y; corridor: the first two, at the right and the left hand; hall: none
 
   /// The centre of a room or corridor; of a hall the inner point furthest from its outline.
   [[nodiscard]] Eigen::Vector2d reference_point() const { return kind == PlaceKind::hall ? inner_point(outline.polygon) : area.center; }
 
-  /// Whether its walls determine a node of the graph: a hall has one when walls look into it from all four sides.
-  [[nodiscard]] bool has_node() const {
-    const std::size_t needed = kind == PlaceKind::corridor ? 2 : 4;
-    for (std::size_t i = 0; i < needed; ++i) {
-      if (!walls[i].valid()) return false;
-    }
-    return true;
-  }
+  /// Whether it is a room or corridor of the paper, with a node of the graph. A hall is its outline: corners where faces meet move with the planes.
+  [[nodiscard]] bool has_node() const { return kind != PlaceKind::hall; }
 };
 
 /// An opening between two places.

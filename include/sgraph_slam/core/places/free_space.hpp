@@ -7,7 +7,7 @@
 
 #include <Eigen/Core>
 
-#include "sgraph_slam/core/places/find_places_params.hpp"
+#include "sgraph_slam/core/places/params.hpp"
 #include "sgraph_slam/core/types/cloud.hpp"
 #include "sgraph_slam/core/types/ids.hpp"
 #include "sgraph_slam/core/types/pose.hpp"

@@ -1,89 +1,108 @@
 #pragma once
 
 #include <map>
-#include <optional>
-#include <set>
 #include <string>
 #include <vector>
 
 #include "sgraph_slam/core/graph/graph.hpp"
-#include "sgraph_slam/core/places/corridors.hpp"
-#include "sgraph_slam/core/places/rooms.hpp"
+#include "sgraph_slam/core/places/find_places.hpp"
 #include "sgraph_slam/core/places/topology.hpp"
 #include "sgraph_slam/core/planes/merging.hpp"
 #include "sgraph_slam/core/planes/params.hpp"
+#include "sgraph_slam/core/planes/plane_map.hpp"
 #include "sgraph_slam/core/types/decision.hpp"
+#include "sgraph_slam/core/types/scene.hpp"
 
 namespace sgraph {
 
-/// What a room or corridor has gone through.
-struct PlaceHistory {
+/// A place and since when it is known.
+struct PlaceRecord {
+  FoundPlace place;
   KeyframeId since;
-  int failures = 0;               ///< judgements failed in a row
-  std::optional<CorridorId> was;  ///< the corridor that a room grew out of
+  int storey = 0;
 };
 
-struct RoomRecord {
-  RoomShape shape;
-  PlaceHistory history;
+struct DoorRecord {
+  FoundDoor door;
+  std::string from;  ///< "room/3", "corridor/0"
+  std::string to;
+  int storey = 0;
 };
 
-struct CorridorRecord {
-  CorridorShape shape;
-  PlaceHistory history;
+/// Floor and ceiling of a storey in the map.
+struct StoreyHeights {
+  double floor = 0;    ///< [m]
+  double ceiling = 0;  ///< [m]
+  bool ceiling_seen = false;
 };
 
-/// Where the robot is, among the walls known now.
-struct Visit {
-  KeyframeId keyframe;
-  Eigen::Vector2d position = Eigen::Vector2d::Zero();  ///< map frame
+/// The largest horizontal planes below and above the keyframes; without a floor, the lowest point of the walls.
+StoreyHeights find_storey(const Graph& graph, const PlaneMap& planes);
+
+/// What the layer looks at.
+struct Survey {
+  const std::vector<Wall>& walls;
+  const std::vector<Eigen::Vector2d>& path;  ///< of the base, every scan, map frame
+  StoreyHeights storey;
   double building_yaw = 0;
+  KeyframeId now;
+  bool measure_all_doors = false;  ///< the known ones too
 };
 
 /// What the layer is told of: its own parameters, and when two planes may be one wall.
 struct PlaceLayerParams {
   TopologyParams topology;
-  RoomParams rooms;
-  CorridorParams corridors;
+  PlaceParams places;
+  FreeSpaceParams free_space;
   MergeParams merging;
 };
 
-/// The rooms and corridors of the map: finds them where the robot has been, knows them again, upgrades, withdraws. Decides on shapes only; estimates
-/// are the graph's.
+/// The places of the map and the doors between them. Finds them on walls and free space, as a whole each time, so that they don't depend on where the
+/// robot began; knows them again, so that they keep their ids while they grow, split and join. Decides on shapes only; estimates are the graph's.
 class TopologicalLayer {
  public:
-  explicit TopologicalLayer(const PlaceLayerParams& params) : params_(params) {}
+  explicit TopologicalLayer(const PlaceLayerParams& params) : params_(params), space_(params.free_space) {}
 
-  /// Looks for a room, else a corridor, around a position. A place that is known already shows which planes are one wall: these pairs are returned
-  /// for the merge's gate. `graph` gives fresh ids.
-  std::vector<PlanePair> visit(Graph& graph, const std::vector<Wall>& walls, const Visit& visit, DecisionLog& log);
+  /// Takes the rays of a keyframe's cloud.
+  void add(KeyframeId id, const Cloud& cloud, const Pose& T_base_lidar) { space_.add(id, cloud, T_base_lidar); }
 
-  /// Judges the places that have one of these walls, all when none is named; their shapes follow the walls. What fails too often is withdrawn.
-  void judge(const Graph& graph, const std::vector<Wall>& walls, const std::set<PlaneId>* touched, KeyframeId now, DecisionLog& log);
+  /// Planes seen lately that lie along the sides of the place around a position, and the planes that these sides have: they may be one wall.
+  [[nodiscard]] std::vector<PlanePair> shown_at(const std::vector<Wall>& walls, const Eigen::Vector2d& position, KeyframeId now) const;
 
-  /// Room or corridor at a position.
+  /// Finds all places as walls and poses are now. `graph` gives poses and fresh ids.
+  void find(Graph& graph, const Survey& survey, DecisionLog& log);
+
+  /// Room, hall or corridor at a position.
   [[nodiscard]] bool covers(const Eigen::Vector2d& position) const;
-  [[nodiscard]] const std::map<RoomId, RoomRecord>& rooms() const { return rooms_; }
-  [[nodiscard]] const std::map<CorridorId, CorridorRecord>& corridors() const { return corridors_; }
+  /// Rooms and halls.
+  [[nodiscard]] const std::map<RoomId, PlaceRecord>& rooms() const { return rooms_; }
+  [[nodiscard]] const std::map<CorridorId, PlaceRecord>& corridors() const { return corridors_; }
+  [[nodiscard]] const std::map<DoorId, DoorRecord>& doors() const { return doors_; }
+  [[nodiscard]] const StoreyHeights& storey() const { return storey_; }
   /// Rooms, then corridors, by id.
   [[nodiscard]] std::vector<Place> places() const;
 
  private:
-  void follow_merges(const Graph& graph);
-  std::vector<PlanePair> take_room(Graph& graph, const RoomShape& found, const std::vector<Wall>& walls, const Visit& visit, DecisionLog& log);
-  std::vector<PlanePair> know_again(RoomId id, RoomRecord& known, const RoomShape& found, const std::vector<Wall>& walls, const Visit& visit,
-                                    DecisionLog& log);
-  std::vector<PlanePair> take_corridor(Graph& graph, const CorridorShape& found, const std::vector<Wall>& walls, const Visit& visit,
-                                       DecisionLog& log);
-  [[nodiscard]] bool same_wall(const std::vector<Wall>& walls, PlaneId a, PlaneId b, const Eigen::Vector2d& near) const;
-  void judge_rooms(const std::vector<Wall>& walls, const std::set<PlaneId>* touched, KeyframeId now, DecisionLog& log);
-  void judge_corridors(const std::vector<Wall>& walls, const std::set<PlaneId>* touched, KeyframeId now, DecisionLog& log);
-  void refuse(const Visit& visit, const std::string& what, const std::string& reason, DecisionLog& log);
+  // A place under its name, while names are given anew.
+  struct Known {
+    bool corridor = false;
+    std::int64_t id = -1;
+    PlaceRecord record;
+    bool lost = false;  // not found the last times
+  };
+  static std::string name_of(const Known& known);
+  std::vector<std::string> give_names(Graph& graph, std::vector<FoundPlace> found, KeyframeId now, DecisionLog& log);
+  void give_names_to_doors(const std::vector<FoundDoor>& found, const std::vector<std::string>& names, bool measure_all, KeyframeId now,
+                           DecisionLog& log);
 
   PlaceLayerParams params_;
-  std::map<RoomId, RoomRecord> rooms_;
-  std::map<CorridorId, CorridorRecord> corridors_;
-  std::set<std::string> refused_;  ///< what has been refused and said so
+  FreeSpace space_;
+  StoreyHeights storey_;
+  std::map<RoomId, PlaceRecord> rooms_;
+  std::map<CorridorId, PlaceRecord> corridors_;
+  std::vector<Known> lost_;  // they keep their names for when they are found again
+  std::map<DoorId, DoorRecord> doors_;
+  std::int64_t next_door_ = 0;
 };
 
 /// The edit that makes the graph's rooms, corridors and the factors of their walls those of the layer. `z`: height of each place's centre in the map.
@@ -91,6 +110,7 @@ struct PlaceHeights {
   std::map<RoomId, double> rooms;
   std::map<CorridorId, double> corridors;
 };
-Transaction synchronise_topology(const Graph& graph, const TopologicalLayer& layer, const PlaceHeights& heights, const TopologyParams& params);
+Transaction synchronise_topology(const Graph& graph, const TopologicalLayer& layer, const PlaneMap& planes, const PlaceHeights& heights,
+                                 const TopologyParams& params);
 
 }  // namespace sgraph

@@ -3,15 +3,15 @@
 #include <string>
 #include <vector>
 
-#include "sgraph_slam/core/places/place_view.hpp"
+#include "sgraph_slam/core/places/polygon.hpp"
 #include "sgraph_slam/core/types/scene.hpp"
 
 namespace sgraph {
 
-/// A room or corridor on the ground.
+/// A place on the ground.
 struct Place {
   std::string name;  ///< "room/3", "corridor/0"
-  OrientedRectangle area;
+  Polygon2d outline;
 };
 
 /// Where the robot has walked from one place into another: these places touch there. `path`: positions in order, map frame. Walking through a third,

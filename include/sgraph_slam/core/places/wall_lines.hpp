@@ -32,6 +32,9 @@ struct WallLine {
   [[nodiscard]] double distance(const Eigen::Vector2d& p) const { return normal.dot(p) + offset; }
 };
 
+/// How far a wall's figures are to be trusted for the number of its views, 0..1.
+double trust(const Wall& wall);
+
 /// The lines of the walls that can bound a place, with their gaps. What stands before a wall and hides it (wardrobes, shelves) makes none.
 std::vector<WallLine> find_wall_lines(const std::vector<Wall>& walls, const FreeSpace& space, const std::vector<Eigen::Vector2d>& path,
                                       const PlaceParams& params);

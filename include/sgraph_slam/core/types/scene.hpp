@@ -45,13 +45,37 @@ struct ScenePlane {
   std::vector<SceneObservation> observations{};          ///< after an optimisation on demand; else empty
 };
 
-/// Topological layer: four walls around a free space.
+using DoorId = Id<struct DoorKind>;
+
+/// What a side of a place is.
+struct SceneSide {
+  enum class Kind { unknown, wall, door, opening };
+  Kind kind = Kind::unknown;
+  PlaneId plane{};  ///< of a wall
+  DoorId door{};    ///< of a door that takes up most of the side
+};
+
+/// Whether all around a place something is known to end it: no side is unknown.
+inline bool is_complete(const std::vector<SceneSide>& edges) {
+  for (const SceneSide& side : edges) {
+    if (side.kind == SceneSide::Kind::unknown) return false;
+  }
+  return !edges.empty();
+}
+
+/// Topological layer: a room of four walls around a free space, or a hall of another outline.
 struct SceneRoom {
   RoomId id;
   Eigen::Vector3d center = Eigen::Vector3d::Zero();  ///< map frame; z midway between floor and ceiling where they are known
   Eigen::Vector2d width = Eigen::Vector2d::Zero();   ///< along the room's own x and y [m]
   double yaw = 0;                                    ///< of the room's x axis in the map [rad]
-  std::vector<PlaneId> planes;                       ///< walls at -x, +x, -y, +y of the room
+  std::vector<PlaneId> planes;                       ///< a room's: walls at -x, +x, -y, +y; a hall's: those of its sides
+  std::vector<Eigen::Vector2d> polygon{};            ///< inner outline in the map frame, counter-clockwise
+  std::vector<SceneSide> edges{};                    ///< of the sides from each corner to the next
+  int storey = 0;
+
+  /// Two facing pairs of walls around a rectangle; a hall has no width.
+  [[nodiscard]] bool is_rectangle() const { return !width.isZero(0); }
 };
 
 /// Topological layer: two walls facing each other.
@@ -62,6 +86,29 @@ struct SceneCorridor {
   double yaw = 0;               ///< of the direction along the corridor in the map [rad]
   double length = 0;            ///< derived from the common extent of the walls; no factor holds it [m]
   std::vector<PlaneId> planes;  ///< walls at the right and the left hand of that direction
+  std::vector<Eigen::Vector2d> polygon{};
+  std::vector<SceneSide> edges{};
+  int storey = 0;
+};
+
+/// Topological layer: an opening in a wall between two places.
+struct SceneDoor {
+  DoorId id;
+  std::string from;  ///< "room/3" or "corridor/0"
+  std::string to;
+  Eigen::Vector3d position = Eigen::Vector3d::Zero();  ///< of its middle on the floor, map frame
+  double yaw = 0;                                      ///< of the direction through it, out of `from` [rad]
+  double width = 0;                                    ///< [m]
+  double height = 0;                                   ///< of its lintel above the floor; 0: not seen [m]
+  int storey = 0;
+};
+
+/// A floor level.
+struct SceneStorey {
+  int id = 0;
+  double z = 0;               ///< of the floor in the map [m]
+  double ceiling = 0;         ///< as high as the floor where none has been seen [m]
+  bool height_known = false;  ///< whether `z` is known against the other storeys'
 };
 
 /// An opening through which two places touch.
@@ -93,6 +140,8 @@ struct GraphSnapshot {
   std::map<RoomId, SceneRoom> rooms;
   std::map<CorridorId, SceneCorridor> corridors;
   std::vector<SceneOpening> openings;
+  std::map<DoorId, SceneDoor> doors;
+  std::vector<SceneStorey> storeys;
   std::string factors_json = "[]";  ///< serialised factors: JSON array, enough to rebuild the graph
   DecisionLog decisions;            ///< with the factors: all since the map began
   SolveSummary last_solve;
