@@ -6,6 +6,7 @@
 #include <set>
 
 #include "sgraph_slam/core/math/outline_area.hpp"
+#include "sgraph_slam/core/math/signed_area.hpp"
 #include "sgraph_slam/ros/conversions.hpp"
 #include "sgraph_slam/ros/messages.hpp"
 
@@ -112,7 +113,7 @@ class Drawing {
       if (room.is_rectangle()) {
         std::snprintf(label, sizeof label, "room %ld\n%.2f x %.2f m", static_cast<long>(id.value), room.width.x(), room.width.y());
       } else {
-        std::snprintf(label, sizeof label, "hall %ld", static_cast<long>(id.value));
+        std::snprintf(label, sizeof label, "room %ld\n%.1f m2", static_cast<long>(id.value), signed_area(room.polygon));
       }
       outline("room_outlines", static_cast<int>(id.value), room.polygon, room.center.z(), room_color);
       place("rooms", static_cast<int>(id.value), room.center, room.planes, room_color, label);

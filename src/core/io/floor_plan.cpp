@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "sgraph_slam/core/math/signed_area.hpp"
+
 namespace sgraph {
 namespace {
 
@@ -69,16 +71,6 @@ std::vector<DrawnWall> walls_of(const GraphSnapshot& snapshot, const OccupancyGr
   return walls;
 }
 
-double area_of(const std::vector<Eigen::Vector2d>& outline) {
-  double twice = 0;
-  for (std::size_t i = 0; i < outline.size(); ++i) {
-    const Eigen::Vector2d& p = outline[i];
-    const Eigen::Vector2d& q = outline[(i + 1) % outline.size()];
-    twice += p.x() * q.y() - p.y() * q.x();
-  }
-  return 0.5 * twice;
-}
-
 DrawnPlace place(const std::string& name, const Eigen::Vector3d& center, const Eigen::Vector2d& size, double yaw,
                  const std::vector<Eigen::Vector2d>& polygon) {
   DrawnPlace place;
@@ -92,7 +84,7 @@ DrawnPlace place(const std::string& name, const Eigen::Vector3d& center, const E
       place.outline.push_back(place.center + rotation * Eigen::Vector2d(x * size.x(), y * size.y()));
     }
   }
-  place.area = area_of(place.outline);
+  place.area = signed_area(place.outline);
   return place;
 }
 
@@ -129,8 +121,7 @@ FloorPlan make_floor_plan(const GraphSnapshot& snapshot, const OccupancyGrid& gr
     plan.places.back().corridor = true;
   }
   for (const auto& [id, room] : snapshot.rooms)
-    plan.places.push_back(
-        place((room.is_rectangle() ? "Room " : "Hall ") + std::to_string(id.value), room.center, room.width, room.yaw, room.polygon));
+    plan.places.push_back(place("Room " + std::to_string(id.value), room.center, room.width, room.yaw, room.polygon));
   for (const auto& [id, door] : snapshot.doors)
     plan.doors.push_back({"Door " + std::to_string(id.value), door.position.head<2>(), door.yaw, door.width, door.height});
   for (const StampedPose& pose : path) plan.path.push_back(pose.pose.translation.head<2>());

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 
@@ -86,6 +87,25 @@ double thickness_behind(const FloorPlan& plan, const Segment2d& piece) {
   return found ? least : usual_thickness;
 }
 
+// Whether a point lies well inside a place, not on its outline: furniture, columns, screens.
+bool inside_a_place(const FloorPlan& plan, const Eigen::Vector2d& p) {
+  constexpr double beside_outline = 0.15;  // [m]
+  for (const DrawnPlace& place : plan.places) {
+    bool inside = false;
+    double least = HUGE_VAL;
+    for (std::size_t i = 0; i < place.outline.size(); ++i) {
+      const Eigen::Vector2d& a = place.outline[i];
+      const Eigen::Vector2d& b = place.outline[(i + 1) % place.outline.size()];
+      if ((a.y() > p.y()) != (b.y() > p.y()) && p.x() < a.x() + (p.y() - a.y()) / (b.y() - a.y()) * (b.x() - a.x())) inside = !inside;
+      const double length2 = (b - a).squaredNorm();
+      const double t = length2 > 0 ? std::clamp((p - a).dot(b - a) / length2, 0.0, 1.0) : 0;
+      least = std::min(least, (p - a - t * (b - a)).norm());
+    }
+    if (inside && least > beside_outline) return true;
+  }
+  return false;
+}
+
 std::string fixed(double value) {
   char buffer[32];
   std::snprintf(buffer, sizeof buffer, "%.2f", value);
@@ -97,6 +117,10 @@ void add_walls(const FloorPlan& plan, Dxf& dxf) {
     if (wall.low) continue;
     for (const Segment2d& piece : wall.solid) {
       if ((piece.second - piece.first).norm() < 1e-6) continue;
+      if (inside_a_place(plan, 0.5 * (piece.first + piece.second))) {
+        dxf.line("INSIDE", piece.first, piece.second);
+        continue;
+      }
       const Eigen::Vector2d back = thickness_behind(plan, piece) * left_of((piece.second - piece.first).normalized());
       dxf.line("WALLS", piece.first, piece.second);
       dxf.line("WALLS", piece.first, piece.first + back);
@@ -147,8 +171,9 @@ std::string floor_plan_dxf(const FloorPlan& plan) {
   dxf.text(2, "TABLES");
   dxf.text(0, "TABLE");
   dxf.text(2, "LAYER");
-  dxf.text(70, "4");
+  dxf.text(70, "5");
   dxf.layer("WALLS", 7);
+  dxf.layer("INSIDE", 8);
   dxf.layer("DOORS", 30);
   dxf.layer("PLACES", 5);
   dxf.layer("LABELS", 3);

@@ -3,6 +3,7 @@
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 
+#include "sgraph_slam/core/math/signed_area.hpp"
 #include "sgraph_slam/core/util/json_integer.hpp"
 
 namespace sgraph {
@@ -65,20 +66,10 @@ Json to_json(const SceneSide& side) {
   return {{"unknown", true}};
 }
 
-double area_of(const std::vector<Eigen::Vector2d>& polygon) {
-  double twice = 0;
-  for (std::size_t i = 0; i < polygon.size(); ++i) {
-    const Eigen::Vector2d& p = polygon[i];
-    const Eigen::Vector2d& q = polygon[(i + 1) % polygon.size()];
-    twice += p.x() * q.y() - p.y() * q.x();
-  }
-  return 0.5 * twice;
-}
-
 template <class Place>
 void add_outline(const Place& place, const char* kind, Json& json) {
   json["kind"] = kind;
-  json["area"] = area_of(place.polygon);
+  json["area"] = signed_area(place.polygon);
   json["complete"] = is_complete(place.edges);
   json["polygon"] = Json::array();
   for (const Eigen::Vector2d& corner : place.polygon) json["polygon"].push_back(numbers(corner));

@@ -13,12 +13,6 @@ double cross(const Eigen::Vector2d& a, const Eigen::Vector2d& b) { return a.x() 
 
 }  // namespace
 
-double signed_area(const Polygon2d& polygon) {
-  double twice = 0;
-  for (std::size_t i = 0; i < polygon.size(); ++i) twice += cross(polygon[i] - polygon[0], polygon[(i + 1) % polygon.size()] - polygon[0]);
-  return 0.5 * twice;
-}
-
 Eigen::Vector2d centroid(const Polygon2d& polygon) {
   Eigen::Vector2d sum = Eigen::Vector2d::Zero();
   Eigen::Vector2d mean = Eigen::Vector2d::Zero();

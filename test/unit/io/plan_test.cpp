@@ -186,7 +186,7 @@ TEST(FloorPlan, IsDrawnAtALegibleSize) {
   EXPECT_EQ(svg.find("nan"), std::string::npos);
 }
 
-TEST(FloorPlan, HallsAndDoorsAreDrawn) {
+TEST(FloorPlan, RoomsOfAnyOutlineAndDoorsAreDrawn) {
   SmallRoom room;
   SceneRoom hall;
   hall.id = {8};
@@ -197,14 +197,14 @@ TEST(FloorPlan, HallsAndDoorsAreDrawn) {
   const FloorPlan plan = make_floor_plan(room.snapshot, grid_of(room), {});
   EXPECT_NEAR(plan.places.back().area, 14, 1e-9);
   const std::string svg = floor_plan_svg(plan);
-  for (const char* words : {"Hall 8", "14.00 m2", "1 door,"}) EXPECT_THAT(svg, HasSubstr(words));
+  for (const char* words : {"Room 8", "14.00 m2", "1 door,"}) EXPECT_THAT(svg, HasSubstr(words));
 }
 
 TEST(FloorPlan, IsWrittenForCad) {
   SmallRoom room;
   room.snapshot.doors[{3}] = {{3}, "room/7", "room/8", {3, 1, 0}, 0, 0.95, 2.1, 0};
   const std::string dxf = floor_plan_dxf(make_floor_plan(room.snapshot, grid_of(room), {}));
-  for (const char* words : {"AC1009", "WALLS", "DOORS", "PLACES", "Room 7", "24.00 m2, 6.00 x 4.00 m", "0\nENDSEC\n0\nEOF\n"})
+  for (const char* words : {"AC1009", "WALLS", "INSIDE", "DOORS", "PLACES", "Room 7", "24.00 m2, 6.00 x 4.00 m", "0\nENDSEC\n0\nEOF\n"})
     EXPECT_THAT(dxf, HasSubstr(words));
   // Codes and values take turns, a line each.
   std::istringstream lines(dxf);

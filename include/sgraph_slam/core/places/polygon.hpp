@@ -4,13 +4,12 @@
 
 #include <Eigen/Core>
 
+#include "sgraph_slam/core/math/signed_area.hpp"
+
 namespace sgraph {
 
 /// Outline on the ground, counter-clockwise, the first corner not repeated.
 using Polygon2d = std::vector<Eigen::Vector2d>;
-
-/// Area [m^2]; negative when the outline runs clockwise.
-double signed_area(const Polygon2d& polygon);
 
 /// Centre of gravity; the mean of the corners when the area is 0.
 Eigen::Vector2d centroid(const Polygon2d& polygon);

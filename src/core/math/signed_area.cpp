@@ -1,0 +1,16 @@
+#include "sgraph_slam/core/math/signed_area.hpp"
+
+namespace sgraph {
+
+double signed_area(const std::vector<Eigen::Vector2d>& corners) {
+  double twice = 0;
+  for (std::size_t i = 0; i < corners.size(); ++i) {
+    // From the first corner, so that nothing cancels far from the origin.
+    const Eigen::Vector2d a = corners[i] - corners[0];
+    const Eigen::Vector2d b = corners[(i + 1) % corners.size()] - corners[0];
+    twice += a.x() * b.y() - a.y() * b.x();
+  }
+  return 0.5 * twice;
+}
+
+}  // namespace sgraph
