@@ -1,4 +1,6 @@
-// A PointCloud2 made of arbitrary bytes. The first describe its header, as a driver would that lies about its layout; the rest is the data.
+// What a LiDAR's driver sends, made of arbitrary bytes. PointCloud2: the first bytes describe its header, as a driver would that lies about its
+// layout; the rest is the data. VelodyneScan: the message as it comes over the wire.
+#include <ros/serialization.h>
 #include <sensor_msgs/PointCloud2.h>
 
 #include <array>
@@ -7,7 +9,9 @@
 
 #include "readers.hpp"
 #include "sgraph_slam/core/prefilter/prefilter.hpp"
+#include "sgraph_slam/core/sensor/sensor_adapter.hpp"
 #include "sgraph_slam/ros/conversions.hpp"
+#include "sgraph_slam/ros/velodyne_scan.hpp"
 
 namespace sgraph::fuzz {
 
@@ -35,7 +39,47 @@ class Bytes {
 
 constexpr std::array<const char*, 12> names{"x", "y", "z", "intensity", "ring", "time", "t", "timestamp", "rgb", "", "X", "range"};
 
+// A scan on its way through the first stages; twice the same, as a driver's conventions stay.
+void adapt(const RawScan& raw) {
+  SensorAdapter adapter{SensorParams{}};
+  AdaptedScans adapted = adapter.take(raw);
+  RawScan next = raw;
+  next.cloud.stamp = next.cloud.stamp.after(0.1);
+  const AdaptedScans second = adapter.take(std::move(next));
+  adapted.scans.insert(adapted.scans.end(), second.scans.begin(), second.scans.end());
+  const AdaptedScans held = adapter.flush();
+  adapted.scans.insert(adapted.scans.end(), held.scans.begin(), held.scans.end());
+  static const Prefilter prefilter{PrefilterParams{}};
+  for (const CloudPtr& cloud : adapted.scans) {
+    expect(cloud->size() <= 2 * raw.cloud.size(), "a scan has no more points than were sent");
+    const FilteredScan scan = prefilter.process(*cloud);
+    expect(scan.cloud->size() <= cloud->size(), "thinning adds no points");
+    for (const auto& point : scan.cloud->points) {
+      expect(std::isfinite(point.x) && std::isfinite(point.y) && std::isfinite(point.z), "points that are kept are finite");
+      expect(std::isfinite(point.time), "times that are kept are finite");
+    }
+  }
+}
+
 }  // namespace
+
+void read_velodyne_scan(std::string_view data) {
+  VelodyneScanMessage message;
+  std::string bytes(data);  // the stream wants to be able to write
+  ros::serialization::IStream stream(reinterpret_cast<std::uint8_t*>(bytes.data()), static_cast<std::uint32_t>(bytes.size()));
+  try {
+    ros::serialization::deserialize(stream, message);
+  } catch (const ros::serialization::StreamOverrunException&) {
+    return;  // ROS drops the message
+  }
+  const Converted<RawScan> raw = to_raw_scan(message, true);
+  if (!raw) {
+    expect(!raw.text.empty(), "a refusal has a reason");
+    return;
+  }
+  expect(raw.value.times.size() == raw.value.cloud.size(), "every point has a time");
+  adapt(raw.value);
+}
 
 void read_point_cloud(std::string_view data) {
   Bytes bytes(data);
@@ -68,11 +112,7 @@ void read_point_cloud(std::string_view data) {
     return;
   }
   expect(cloud.value->size() <= message.data.size(), "no more points than bytes");
-  static const Prefilter prefilter{PrefilterParams{}};
-  const FilteredScan scan = prefilter.process(*cloud.value);
-  expect(scan.cloud->size() <= cloud.value->size(), "thinning adds no points");
-  for (const auto& point : scan.cloud->points)
-    expect(std::isfinite(point.x) && std::isfinite(point.y) && std::isfinite(point.z), "points that are kept are finite");
+  if (const Converted<RawScan> raw = to_raw_scan(message)) adapt(raw.value);
 }
 
 }  // namespace sgraph::fuzz

@@ -87,8 +87,17 @@ void read_pcd(std::string_view bytes) {
 
 const std::map<std::string, Reader>& readers() {
   static const std::map<std::string, Reader> all{
-      {"configuration", read_configuration}, {"g2o", read_g2o_text}, {"graph", read_graph},      {"graph_json", read_graph_json}, {"pcd", read_pcd},
-      {"point_cloud", read_point_cloud},     {"tum", read_tum_text}, {"world", read_world_text},
+      {"configuration", read_configuration},
+      {"g2o", read_g2o_text},
+      {"graph", read_graph},
+      {"graph_json", read_graph_json},
+      {"pcd", read_pcd},
+      {"point_cloud", read_point_cloud},
+      {"store", read_store},
+      {"stored_cloud", read_stored_cloud},
+      {"tum", read_tum_text},
+      {"velodyne_scan", read_velodyne_scan},
+      {"world", read_world_text},
   };
   return all;
 }

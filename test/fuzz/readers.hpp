@@ -34,5 +34,8 @@ class ScratchFile {
 };
 
 void read_point_cloud(std::string_view bytes);
+void read_velodyne_scan(std::string_view bytes);
+void read_store(std::string_view bytes);
+void read_stored_cloud(std::string_view bytes);
 
 }  // namespace sgraph::fuzz

@@ -109,11 +109,13 @@ Cloud decode_cloud(std::string_view bytes) {
     Viewpoint v;
     v.time = in.value<double>();
     for (int k = 0; k < 3; ++k) v.position[k] = in.value<double>();
+    if (!std::isfinite(v.time) || !v.position.allFinite()) throw std::runtime_error("a damaged cloud");
     cloud.viewpoints.push_back(v);
   }
   const auto count = in.value<std::uint32_t>();
   if (count > most_points) throw std::runtime_error("a damaged cloud");
   const auto scale = in.value<float>();
+  if (!(scale > 0) || !std::isfinite(scale)) throw std::runtime_error("a damaged cloud");
   const auto x = read_column(count, in);
   const auto y = read_column(count, in);
   const auto z = read_column(count, in);
