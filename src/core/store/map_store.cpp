@@ -287,14 +287,39 @@ void MapStore::write_waiting(std::unique_lock<std::mutex>& lock) {
   }
 }
 
+namespace {
+
+// Files that were set aside earlier, by number: `<stem>.before<extension>` is 1, `<stem>.before-N<extension>` N.
+std::map<int, std::filesystem::path> set_aside_before(const std::filesystem::path& file) {
+  std::map<int, std::filesystem::path> found;
+  const std::string stem = file.stem().string() + ".before";
+  const std::string extension = file.extension().string();
+  std::error_code error;
+  const auto folder = file.has_parent_path() ? file.parent_path() : std::filesystem::path(".");
+  for (const auto& entry : std::filesystem::directory_iterator(folder, error)) {
+    const std::string name = entry.path().filename().string();
+    if (name.size() < stem.size() + extension.size() || name.rfind(stem, 0) != 0 || entry.path().extension() != extension) continue;
+    const std::string rest = name.substr(stem.size(), name.size() - stem.size() - extension.size());
+    if (rest.empty()) {
+      found[1] = entry.path();
+    } else if (rest.size() > 1 && rest.size() < 9 && rest[0] == '-' && rest.find_first_not_of("0123456789", 1) == std::string::npos) {
+      found[std::stoi(rest.substr(1))] = entry.path();
+    }
+  }
+  return found;
+}
+
+}  // namespace
+
 std::string set_aside(const std::string& path) {
   namespace fs = std::filesystem;
   std::error_code error;
   if (!fs::exists(path, error)) return {};
   const fs::path file(path);
-  const std::string stem = (file.parent_path() / file.stem()).string() + ".before";
-  std::string target = stem + file.extension().string();
-  for (int i = 2; fs::exists(target, error); ++i) target = stem + '-' + std::to_string(i) + file.extension().string();
+  auto earlier = set_aside_before(file);
+  const int number = earlier.empty() ? 1 : earlier.rbegin()->first + 1;
+  const std::string target =
+      (file.parent_path() / file.stem()).string() + ".before" + (number > 1 ? '-' + std::to_string(number) : "") + file.extension().string();
   try {  // The log of a program that was killed goes into the file first.
     Database(path, Access::write).execute("PRAGMA wal_checkpoint(TRUNCATE)");
   } catch (const StoreError&) {  // No map, or one that cannot be written: renamed with what lies beside it.
@@ -303,6 +328,9 @@ std::string set_aside(const std::string& path) {
     if (!fs::exists(path + part, error)) continue;
     fs::rename(path + part, target + part, error);
     if (error) throw StoreError(path + ": it cannot be renamed to " + target + " (" + error.message() + ")");
+  }
+  for (; earlier.size() >= most_set_aside; earlier.erase(earlier.begin())) {
+    for (const char* part : {"-wal", "-shm", ""}) fs::remove(earlier.begin()->second.string() + part, error);
   }
   return target;
 }

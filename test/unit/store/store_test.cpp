@@ -12,6 +12,7 @@
 #include <ctime>
 #include <filesystem>
 #include <fstream>
+#include <nlohmann/json.hpp>
 #include <random>
 
 #include "sgraph_slam/core/graph/serialization.hpp"
@@ -213,6 +214,77 @@ TEST(Store, AMapIsSetAsideNotOverwritten) {
     EXPECT_EQ(set_aside(path), folder.file(name));
     EXPECT_FALSE(std::filesystem::exists(path));
     EXPECT_EQ(read_map(folder.file(name), Clouds::none).keyframes.size(), 1U);
+  }
+}
+
+TEST(Store, TheNewestFewAreKeptAside) {
+  const Folder folder;
+  const std::string path = folder.file("map.sgmap");
+  write_file(folder.file("map.before-yesterday.sgmap"), "the user's own");
+  for (std::int64_t id = 1; id <= 9; ++id) {
+    { MapStore(path, MapStore::Mode::create, session()).write(batch_of(id)); }
+    set_aside(path);
+  }
+  for (int number = 1; number <= 9; ++number) {
+    const std::string name = folder.file("map.before" + (number > 1 ? '-' + std::to_string(number) : "") + ".sgmap");
+    ASSERT_EQ(std::filesystem::exists(name), number > 4) << name;
+    if (number > 4) {
+      EXPECT_EQ(read_map(name, Clouds::none).keyframes.begin()->first.value, number);
+    }
+  }
+  EXPECT_TRUE(std::filesystem::exists(folder.file("map.before-yesterday.sgmap")));
+}
+
+// A file as each released schema wrote it, read for ever. SGRAPH_WRITE_SAMPLE=FOLDER writes one of the present schema, with the graph.json to compare
+// it with.
+constexpr const char* samples = "test/data/store";
+
+void write_sample(const std::string& folder) {
+  const std::string name = folder + "/schema_" + std::to_string(store_schema);
+  BackEnd back_end({}, MappedBuilding::T_base_lidar());
+  MapStore store(name + ".sgmap", MapStore::Mode::create, session());
+  MapRecorder recorder(store);
+  back_end.observe(&recorder);
+  for (SeenKeyframe seen : flat().walk({{1, 1}, {5, 1}, {3.5, 3}, {1, 4}, {1, 2}}, 0.9, 0.3, {}, 2)) {
+    seen.keyframe.cloud = std::make_shared<const Cloud>(some_cloud(7, 40));
+    back_end.process(seen.keyframe, seen.segments);
+  }
+  const GraphSnapshotPtr last = back_end.optimize();
+  ASSERT_TRUE(store.flush(seconds(20)));
+  write_file(name + ".json", graph_json(*last));
+}
+
+TEST(Store, FilesOfEverySchemaAreReadForEver) {
+  if (const char* folder = std::getenv("SGRAPH_WRITE_SAMPLE")) write_sample(folder);
+  for (int schema = 1; schema <= store_schema; ++schema) {
+    const std::string name = samples + ("/schema_" + std::to_string(schema));
+    const GraphSnapshot written = parse_graph_json(read_file(name + ".json"));
+    EXPECT_TRUE(check_map(name + ".sgmap").empty());
+    EXPECT_EQ(summarize_map(name + ".sgmap").schema, schema);
+    const StoredMap map = read_map(name + ".sgmap", Clouds::all);
+    const GraphSnapshot read = snapshot_of(map);
+    ASSERT_EQ(read.keyframes.size(), written.keyframes.size());
+    for (const auto& [id, keyframe] : written.keyframes) {
+      EXPECT_EQ(read.keyframes.at(id).stamp, keyframe.stamp);
+      EXPECT_LT((read.keyframes.at(id).T_map_base.translation - keyframe.T_map_base.translation).norm(), 1e-6);
+      ASSERT_NE(read.keyframes.at(id).cloud.get(), nullptr);
+      EXPECT_EQ(read.keyframes.at(id).cloud.get()->size(), 40U);
+    }
+    ASSERT_EQ(read.planes.size(), written.planes.size());
+    for (const auto& [id, plane] : written.planes) {
+      EXPECT_EQ(read.planes.at(id).plane_class, plane.plane_class);
+      EXPECT_LT((read.planes.at(id).plane.normal - plane.plane.normal).norm(), 1e-6);
+      EXPECT_NEAR(read.planes.at(id).plane.d, plane.plane.d, 1e-6);
+    }
+    EXPECT_EQ(read.rooms.size(), written.rooms.size());
+    EXPECT_EQ(nlohmann::json::parse(read.factors_json).size(), nlohmann::json::parse(written.factors_json).size());
+    // It can be gone on with: the file is brought to the present schema.
+    const Folder folder;
+    std::filesystem::copy_file(name + ".sgmap", folder.file("map.sgmap"));
+    std::filesystem::permissions(folder.file("map.sgmap"), std::filesystem::perms::owner_all);
+    { MapStore(folder.file("map.sgmap"), MapStore::Mode::extend, session()).write(batch_of(1000)); }
+    EXPECT_EQ(summarize_map(folder.file("map.sgmap")).schema, store_schema);
+    EXPECT_EQ(summarize_map(folder.file("map.sgmap")).keyframes, static_cast<std::int64_t>(written.keyframes.size()) + 1);
   }
 }
 

@@ -122,8 +122,12 @@ class MapStore {
   std::thread thread_;  // last: it uses all of the above
 };
 
-/// Renames a file that is there to `<name>.before.sgmap`, or `<name>.before-2.sgmap` and so on: a map is never overwritten. Returns the new name;
-/// empty when there was none. Throws StoreError.
+/// Files of one name that are kept aside.
+constexpr std::size_t most_set_aside = 5;
+
+/// Renames a file that is there to `<name>.before.sgmap`, or `<name>.before-2.sgmap` and so on: a map is never overwritten. Of these the newest
+/// `most_set_aside` are kept; the oldest beyond them is removed, so that a robot that is switched on every day does not fill its disk. Returns the
+/// new name; empty when there was none. Throws StoreError.
 std::string set_aside(const std::string& path);
 
 /// Copies a map file, also while it is being written, into a new one. Throws StoreError.
