@@ -1,11 +1,11 @@
 #include "sgraph_slam/core/localisation/localiser.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <cstdio>
 #include <ctime>
 #include <utility>
+
+#include "sgraph_slam/core/search/verdict.hpp"
 
 namespace sgraph {
 namespace {
@@ -14,45 +14,16 @@ constexpr double longest_path = 12;  // of the way that is compared [m]: the odo
 constexpr std::size_t most_keyframes = 24;
 constexpr double search_interval = 0.3;  // [m] travelled between two searches
 
-// What a place must show to be believed; lengths of wall [m].
-constexpr double least_total = 14;          // seen at all
-constexpr double least_matched = 0.72;      // share of it
-constexpr double most_contradicted = 0.10;  // share of it, beside
-constexpr double allowed = 0.8;             // a door leaf
-constexpr double least_spread = 3;          // of walls across the direction that has least of them
-constexpr double least_lead = 1.6;          // how much more must speak against any other place
-constexpr int least_agreeing = 2;           // searches in a row that find the same place
-constexpr double same_place = 0.3;          // [m]
-constexpr double near_distance = 3;         // [m] of a place from where somebody said it is
-constexpr double near_angle = 0.8;          // [rad]
-constexpr double share_when_told = 0.4;     // of what must have been seen
+constexpr int least_agreeing = 2;        // searches in a row that find the same place
+constexpr double same_place = 0.3;       // [m]
+constexpr double near_distance = 3;      // [m] of a place from where somebody said it is
+constexpr double near_angle = 0.8;       // [rad]
+constexpr double share_when_told = 0.4;  // of what must have been seen
 
 double thread_milliseconds() {
   timespec time{};
   clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
   return 1e3 * static_cast<double>(time.tv_sec) + 1e-6 * static_cast<double>(time.tv_nsec);
-}
-
-bool stands(const LayoutFit& fit) { return fit.matched >= least_matched * fit.total && fit.contradicted <= most_contradicted * fit.total + allowed; }
-
-// Whether a place cannot be ruled out: less than this speaks against it.
-bool possible(const LayoutFit& fit, const LayoutFit& best) { return fit.cost() < best.cost() + least_lead; }
-
-// Walls that hold the position across the direction in which it is held least [m].
-double spread_of(const Layout& layout) {
-  Eigen::Matrix2d sum = Eigen::Matrix2d::Zero();
-  for (const WallSample& s : layout.samples()) {
-    if (s.solid) sum += WallSample::spacing * s.normal * s.normal.transpose();
-  }
-  const double mean = 0.5 * sum.trace();
-  return mean - std::sqrt(std::max(0.0, mean * mean - sum.determinant()));
-}
-
-std::string text(const LayoutFit& fit) {
-  std::array<char, 160> words{};
-  std::snprintf(words.data(), words.size(), "%.1f m of wall: %.1f match, %.1f unknown, %.1f contradict", fit.total, fit.matched, fit.unknown,
-                fit.contradicted);
-  return words.data();
 }
 
 }  // namespace
@@ -120,21 +91,20 @@ void Localiser::judge(PlaceSearchResult places, const Surroundings& surroundings
     return;
   }
   const LayoutFit& best = answer_.fit;
-  for (const PlaceHypothesis& place : places.hypotheses) answer_.hypotheses += possible(place.fit, best) ? 1 : 0;
-  if (!stands(best)) {
+  const PlaceVerdict verdict = judge_places(places, surroundings.layout, near_ ? share_when_told : 1);
+  if (!verdict.stands) {
     answer_.result = LocalisationResult::not_found;
-    answer_.hypotheses = 0;
-    answer_.reason = "the place that fits best contradicts what was seen: " + text(best);
+    answer_.reason = "the place that fits best contradicts what was seen: " + to_string(best);
     return;
   }
   answer_.result = LocalisationResult::ambiguous;
-  if (answer_.hypotheses > 1 || !places.exhaustive) {
-    answer_.reason = std::to_string(answer_.hypotheses) + (places.exhaustive ? "" : " or more") + " places look alike: " + text(best);
+  answer_.hypotheses = verdict.possible - (places.exhaustive ? 0 : 1);
+  if (verdict.possible > 1) {
+    answer_.reason = std::to_string(answer_.hypotheses) + (places.exhaustive ? "" : " or more") + " places look alike: " + to_string(best);
     return;
   }
-  const double share = near_ ? share_when_told : 1;
-  if (best.total < share * least_total || spread_of(surroundings.layout) < share * least_spread) {
-    answer_.reason = "too little has been seen: " + text(best);
+  if (!verdict.enough) {
+    answer_.reason = "too little has been seen: " + to_string(best);
     return;
   }
   answer_.T_map_odom =
@@ -143,7 +113,7 @@ void Localiser::judge(PlaceSearchResult places, const Surroundings& surroundings
   const bool agrees = last_ && (*last_ * keyframes_.back().keyframe.T_odom_base.translation - answer_.T_map_base.translation).norm() < same_place;
   agreeing_ = agrees ? agreeing + 1 : 1;
   last_ = answer_.T_map_odom;
-  answer_.reason = text(best);
+  answer_.reason = to_string(best);
   if (agreeing_ < least_agreeing) {
     answer_.reason = "to be confirmed: " + answer_.reason;
     return;

@@ -4,20 +4,13 @@
 #include <algorithm>
 #include <cmath>
 
-#include "sgraph_slam/core/planes/wall.hpp"
+#include "sgraph_slam/core/search/layout_builder.hpp"
 #include "sgraph_slam/core/util/statistics.hpp"
 
 namespace sgraph {
 namespace {
 
-constexpr double tilt = 0.2618;            // largest of a wall from the vertical, of a floor from the horizontal [rad]
-constexpr double wall_gap = 0.3;           // shorter gaps in a wall count as seen [m]
-constexpr double least_height = 0.9;       // of a wall of the map [m]: desks and sofas are lower and move
-constexpr double least_view_height = 0.6;  // of one view of a wall: from near, a LiDAR's beams show a narrow band [m]
-constexpr double least_length = 0.4;       // [m]
-constexpr std::size_t least_views = 2;     // of a wall of the map
-constexpr int map_votes = 2;
-constexpr int query_votes = 1;
+constexpr double tilt = LayoutBuilder::tilt;
 constexpr double floor_reach = 0.5;  // [m] beside what has been seen of a floor
 
 Outline moved(const Pose& T, const Outline& outline) {
@@ -28,58 +21,22 @@ Outline moved(const Pose& T, const Outline& outline) {
 
 Pose turn(const Eigen::Quaterniond& q) { return {q, Eigen::Vector3d::Zero()}; }
 
-// The mean upward normal of floors (and minus that of ceilings), weighed by area: what is up.
-class Up {
- public:
-  void add(const Eigen::Vector3d& normal, double area) {
-    if (std::abs(normal.z()) > std::cos(tilt)) sum_ += (normal.z() > 0 ? area : -area) * normal;
-  }
-  [[nodiscard]] Eigen::Quaterniond level() const {
-    return sum_.norm() > 0.5 ? Eigen::Quaterniond::FromTwoVectors(sum_.normalized(), Eigen::Vector3d::UnitZ()) : Eigen::Quaterniond::Identity();
-  }
-
- private:
-  Eigen::Vector3d sum_ = Eigen::Vector3d::Zero();
-};
-
-struct Parts {
-  std::vector<WallPiece> pieces;
-  std::vector<Sight> sights;
-};
-
-void add_pieces(const Wall& wall, std::vector<WallPiece>& pieces) {
-  for (const Interval& part : wall.support) {
-    if (part.length() >= least_length) pieces.push_back({wall.at(part.low), wall.at(part.high), wall.normal});
-  }
-}
-
-void add_sight(const Wall& view, const Eigen::Vector3d& sensor, std::vector<Sight>& sights) {
-  const Interval whole = hull(view.support);
-  if (view.distance(sensor.head<2>()) > 0) sights.push_back({sensor.head<2>(), view.at(whole.low), view.at(whole.high)});
-}
-
 Layout map_layout(const GraphSnapshot& snapshot, const Eigen::Quaterniond& level, const Pose& T_base_lidar,
                   const std::function<bool(KeyframeId)>& wanted) {
-  Parts parts;
+  LayoutBuilder builder(level, T_base_lidar);
   for (const auto& [id, scene] : snapshot.planes) {
-    const Plane plane = turn(level) * scene.plane;
-    std::vector<Outline> views;
+    std::vector<LayoutBuilder::View> views;
     for (const SceneObservation& seen : scene.observations) {
       const auto keyframe = snapshot.keyframes.find(seen.keyframe);
-      if (keyframe == snapshot.keyframes.end() || !wanted(seen.keyframe)) continue;
-      const Pose T_level_base = turn(level) * keyframe->second.T_map_base;
-      views.push_back(moved(T_level_base, seen.extent));
-      const auto view = make_wall(id, plane, {views.back()}, tilt, wall_gap);
-      if (view && view->height >= least_view_height) add_sight(*view, (T_level_base * T_base_lidar).translation, parts.sights);
+      if (keyframe != snapshot.keyframes.end() && wanted(seen.keyframe)) views.push_back({keyframe->second.T_map_base, &seen.extent});
     }
-    const auto wall = make_wall(id, plane, views, tilt, wall_gap);
-    if (wall && wall->height >= least_height && views.size() >= least_views) add_pieces(*wall, parts.pieces);
+    builder.add_plane(id, scene.plane, views);
   }
-  return {std::move(parts.pieces), parts.sights, map_votes};
+  return builder.build(LayoutBuilder::map_votes);
 }
 
 Eigen::Quaterniond map_level(const GraphSnapshot& snapshot) {
-  Up up;
+  Upward up;
   for (const auto& [id, scene] : snapshot.planes) up.add(scene.plane.normal, outline_area(scene.extent));
   return up.level();
 }
@@ -141,24 +98,20 @@ std::optional<double> ReferenceMap::floor_height(const Eigen::Vector2d& at_level
 }
 
 Surroundings surroundings_of(const std::vector<LocatedKeyframe>& keyframes, const Pose& T_base_lidar) {
-  Up up;
+  Upward up;
   for (const LocatedKeyframe& seen : keyframes) {
     const Pose T_odom_lidar = seen.keyframe.T_odom_base * T_base_lidar;
     for (const PlaneSegment& segment : seen.segments.segments) up.add(T_odom_lidar.rotation * segment.plane.normal, outline_area(segment.extent));
   }
   const Eigen::Quaterniond level = up.level();
-  Parts parts;
+  LayoutBuilder builder(level, T_base_lidar);
   for (const LocatedKeyframe& seen : keyframes) {
-    const Pose T_level_lidar = turn(level) * seen.keyframe.T_odom_base * T_base_lidar;
     for (const PlaneSegment& segment : seen.segments.segments) {
-      if (segment.extent.size() < 3 || !segment.plane.normal.allFinite()) continue;
-      const auto view = make_wall({}, T_level_lidar * segment.plane, {moved(T_level_lidar, segment.extent)}, tilt, wall_gap);
-      if (!view || view->height < least_view_height) continue;
-      add_pieces(*view, parts.pieces);
-      add_sight(*view, T_level_lidar.translation, parts.sights);
+      if (segment.extent.size() >= 3 && segment.plane.normal.allFinite())
+        builder.add_segment(segment.plane, segment.extent, seen.keyframe.T_odom_base);
     }
   }
-  return {Layout(std::move(parts.pieces), parts.sights, query_votes), level};
+  return {builder.build(LayoutBuilder::query_votes), level};
 }
 
 Pose pose_from_place(const ReferenceMap& map, const Surroundings& surroundings, const std::vector<LocatedKeyframe>& keyframes,

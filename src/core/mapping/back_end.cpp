@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "sgraph_slam/core/graph/solver.hpp"
+#include "sgraph_slam/core/loops/close_loop_by_appearance.hpp"
 #include "sgraph_slam/core/mapping/add_keyframe.hpp"
 #include "sgraph_slam/core/mapping/make_snapshot.hpp"
 #include "sgraph_slam/core/mapping/map_state.hpp"
@@ -231,7 +232,9 @@ class BackEnd::Implementation {
       visit(keyframe.id);
       add_widths(committer_, state_.layer, segments, seen.planes, state_.params.topology);
     }
-    const bool looped = close_loop(committer_, state_.loops, state_.keyframes, state_.planes.drift, state_.planes.marginals);
+    const bool looped =
+        close_loop(committer_, state_.loops, state_.keyframes, state_.planes.drift, state_.planes.marginals) ||
+        close_loop_by_appearance(committer_, state_.loops, state_.keyframes, state_.planes.map, state_.planes.drift, state_.planes.marginals);
     if (looped || wants_global(seen)) solve_global(state_.params.solving.iterations);
   }
 

@@ -5,8 +5,8 @@
 #include <optional>
 #include <vector>
 
-#include "sgraph_slam/core/localisation/search.hpp"
 #include "sgraph_slam/core/planes/outline.hpp"
+#include "sgraph_slam/core/search/place_search.hpp"
 #include "sgraph_slam/core/types/odometry.hpp"
 #include "sgraph_slam/core/types/scene.hpp"
 #include "sgraph_slam/core/types/segments.hpp"

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <map>
+#include <vector>
 
 #include "sgraph_slam/core/graph/committer.hpp"
 #include "sgraph_slam/core/graph/marginals_cache.hpp"
@@ -10,11 +11,21 @@
 
 namespace sgraph {
 
+/// A way back to an old keyframe that one search has found.
+struct LoopCandidate {
+  KeyframeId from;  ///< the old keyframe
+  KeyframeId to;    ///< the newest one at the time
+  Pose T_from_to;
+};
+
 /// What loop closing is told of, and what it remembers.
 struct LoopCloser {
   LoopParams params;
   Pose T_base_lidar;
   KeyframeId last_tried;
+  KeyframeId last_searched = {};               ///< by appearance
+  bool held = false;                           ///< the graph knew well enough where it was when that was asked last
+  std::vector<LoopCandidate> candidates = {};  ///< by appearance, not believed yet
 };
 
 /// Hard loop closure of the newest keyframe with the nearest old one, when the graph is unsure about the way between (paper, Loop Closure). True when

@@ -4,7 +4,8 @@
 
 namespace sgraph {
 
-/// Hard loop closure by scan matching (paper, Loop Closure).
+/// Loop closure: by scan matching near where the graph has the robot (paper, Loop Closure), and by what walls and free space look like where the
+/// graph doesn't know well enough where that is.
 struct LoopParams {
   bool enabled = true;
   double max_distance = 4.0;
@@ -19,6 +20,11 @@ struct LoopParams {
   double sigma_angle = 0.005;
   double sigma_distance = 0.03;
   double loss_scale = 1.0;
+  bool appearance = true;
+  double appearance_sigma = 0.3;
+  double appearance_interval = 1.0;
+  int appearance_views = 3;
+  double appearance_span = 4.0;
 
   void describe(ParamVisitor& v) {
     v.field("enabled", enabled, "Close loops by matching scans.");
@@ -36,6 +42,12 @@ struct LoopParams {
     v.field("sigma_angle", sigma_angle, "rad", {1e-4, 1}, "Standard deviation of a match's rotation.");
     v.field("sigma_distance", sigma_distance, "m", {1e-4, 1}, "Standard deviation of a match's translation.");
     v.field("loss_scale", loss_scale, "", {0.1, 100}, "Cauchy loss of a loop, in standard deviations.");
+    v.field("appearance", appearance, "Close loops by what walls and free space look like from above, wherever the graph has the robot.");
+    v.field("appearance_sigma", appearance_sigma, "m", {0.05, 100},
+            "Searched only while the graph's standard deviation of the position since the beginning is at least this: planes and scans bridge less.");
+    v.field("appearance_interval", appearance_interval, "m", {0.1, 100}, "Path travelled between two searches.");
+    v.field("appearance_views", appearance_views, "", {2, 20}, "Searches that must find the same way back to the old part of the map.");
+    v.field("appearance_span", appearance_span, "m", {0, 100}, "Least path travelled from the first to the last of them.");
   }
 };
 

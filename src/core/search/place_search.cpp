@@ -1,4 +1,4 @@
-#include "sgraph_slam/core/localisation/search.hpp"
+#include "sgraph_slam/core/search/place_search.hpp"
 
 #include <Eigen/Cholesky>
 #include <algorithm>

@@ -1,4 +1,4 @@
-#include "sgraph_slam/core/localisation/layout.hpp"
+#include "sgraph_slam/core/search/layout.hpp"
 
 #include <algorithm>
 #include <array>

@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "sgraph_slam/core/localisation/layout.hpp"
+#include "sgraph_slam/core/search/layout.hpp"
 
 namespace sgraph {
 
