@@ -124,6 +124,8 @@ class MappingNodelet : public StageNodelet {
       health().show("place in the map", std::string(to_string(state.localisation->result)) + ": " + state.localisation->reason);
     }
     health().show("last solve [ms]", graph.last_solve.milliseconds);
+    health().show("map file", state.store_problem.empty() ? (state.store.empty() ? "none" : state.store) : state.store_problem);
+    if (!state.store_problem.empty()) health().error(state.store_problem);  // with each keyframe, as long as it lasts
   }
 
   std::mutex matcher_mutex_;

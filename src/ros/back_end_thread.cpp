@@ -44,7 +44,10 @@ BackEndThread::BackEndThread(const MappingParams& params, const std::string& map
             task();
             return Work::done;
           },
-          failed_) {}
+          failed_) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  state_.placed = !start_.map;
+}
 
 void BackEndThread::process(MatchedKeyframe keyframe) {
   worker_.push([this, keyframe = std::move(keyframe)] { take(keyframe); });
@@ -70,8 +73,8 @@ bool BackEndThread::begin(SessionStart start, std::chrono::milliseconds limit) {
   const auto promise = std::make_shared<std::promise<void>>();
   std::future<void> result = promise->get_future();
   worker_.push([this, promise, start = std::move(start)] {
-    start_over();
     start_ = start;
+    start_over();
     promise->set_value();
   });
   return result.wait_for(limit) == std::future_status::ready;
@@ -95,8 +98,8 @@ bool BackEndThread::reset(std::chrono::milliseconds limit) {
   const auto promise = std::make_shared<std::promise<void>>();
   std::future<void> result = promise->get_future();
   worker_.push([this, promise] {
-    start_over();
     start_ = {};
+    start_over();
     promise->set_value();
   });
   return result.wait_for(limit) == std::future_status::ready;
@@ -109,7 +112,10 @@ LiveMap BackEndThread::state() const {
 
 void BackEndThread::take(const MatchedKeyframe& matched) {
   const Keyframe& keyframe = matched.received.keyframe;
-  if (back_end_ && !(last_ < keyframe.id)) start_over();
+  if (back_end_ && !(last_ < keyframe.id)) {
+    start_over();
+    take_up_again();
+  }
   const bool first = !back_end_;
   last_ = keyframe.id;
   if (paused_) {
@@ -155,7 +161,9 @@ void BackEndThread::open_session() {
     }
     back_end_->observe(recorder_.get());
   } catch (const std::exception& error) {
-    failed_(std::string("no map file is written: ") + error.what());
+    store_.reset();
+    store_problem_ = std::string("no map file is written: ") + error.what();
+    failed_(store_problem_);
   }
 }
 
@@ -163,14 +171,30 @@ void BackEndThread::start_over() {
   back_end_.reset();
   recorder_.reset();
   store_.reset();
+  store_problem_.clear();
   away_.reset();
   told_ = 0;
   told_failures_ = 0;
   put(empty_graph(map_frame_), 0);
 }
 
+// For a further session in the map that was taken up: it has grown since it was read, and the robot may be anywhere in it.
+void BackEndThread::take_up_again() {
+  if (!start_.map) return;
+  start_.near.reset();
+  if (start_.mode == MapMode::localize) return;
+  const std::string path = start_.map->path;
+  try {
+    start_.map = take_map(path);
+  } catch (const std::exception& error) {
+    start_ = {};
+    failed_(std::string("a new map begins, because the one taken up can't be read any more: ") + error.what());
+  }
+}
+
 void BackEndThread::put(GraphSnapshotPtr graph, double milliseconds) {
   LiveMap state{in_frame(graph, map_frame_), T_base_lidar_};
+  state.placed = !start_.map;
   if (back_end_) {
     const DecisionLog& all = back_end_->decisions();
     state.decided.assign(all.begin() + static_cast<std::ptrdiff_t>(std::min(told_, all.size())), all.end());
@@ -179,6 +203,8 @@ void BackEndThread::put(GraphSnapshotPtr graph, double milliseconds) {
     for (; told_failures_ < failures.size(); ++told_failures_) failed_(failures[told_failures_]);
     state.placed = back_end_->is_placed();
     state.localisation = back_end_->localisation();
+    state.store = store_ ? store_->path() : "";
+    state.store_problem = store_ ? store_->problem() : store_problem_;
   }
   {
     const std::lock_guard<std::mutex> lock(mutex_);

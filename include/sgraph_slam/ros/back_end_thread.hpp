@@ -21,6 +21,8 @@ struct LiveMap {
   std::int64_t number = 0;  ///< counts the states, also over maps that were begun anew
   bool placed = true;       ///< false while the place in the map that is taken up is not known: poses are in a frame of their own
   std::optional<Localisation> localisation{};
+  std::string store{};          ///< map file that is written; empty: none
+  std::string store_problem{};  ///< why it can't be written, as long as that lasts
 };
 
 /// Owns the back end on a thread of its own: no other thread touches the graph. Keyframes are never dropped: each is a part of the map. The clouds of
@@ -32,7 +34,8 @@ class BackEndThread {
   BackEndThread(const MappingParams& params, const std::string& map_frame, const std::string& store, SessionStart start,
                 std::function<void(const LiveMap&, double milliseconds)> changed, std::function<void(const std::string&)> failed);
 
-  /// Takes a keyframe. One that doesn't come after the last (a recording that began again) starts a new map.
+  /// Takes a keyframe. One that doesn't come after the last (a recording that began again) starts a new map, or a further session in the map that was
+  /// taken up.
   void process(MatchedKeyframe keyframe);
 
   /// Optimises after all that waits. Nothing when it takes longer than `limit`; it is then done later all the same.
@@ -60,6 +63,7 @@ class BackEndThread {
 
   void take(const MatchedKeyframe& keyframe);
   void start_over();
+  void take_up_again();
   void open_session();
   [[nodiscard]] Keyframe after_pause(Keyframe keyframe);
   void put(GraphSnapshotPtr graph, double milliseconds);
@@ -73,6 +77,7 @@ class BackEndThread {
 
   SessionStart start_;  // from here on used by the thread alone
   std::unique_ptr<MapStore> store_;
+  std::string store_problem_;  // why there is none
   std::unique_ptr<MapRecorder> recorder_;
   std::optional<MappingSession> back_end_;  // uses the recorder
   bool paused_ = false;

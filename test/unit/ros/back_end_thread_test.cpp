@@ -3,9 +3,12 @@
 #include <gtest/gtest.h>
 
 #include <atomic>
+#include <cstdlib>
+#include <filesystem>
 #include <set>
 #include <thread>
 
+#include "sgraph_slam/core/store/stored_map.hpp"
 #include "support/mapping_run.hpp"
 
 namespace sgraph {
@@ -98,6 +101,54 @@ TEST(BackEndThread, AServiceWaitsForWhatCameBeforeIt) {
   EXPECT_TRUE(thread.state().graph->keyframes.empty());
   thread.process(matched(walk.front()));
   EXPECT_EQ(thread.optimize(seconds(120))->graph->keyframes.size(), 1U);
+}
+
+// A recording that is played again goes into the map that was taken up as one more session: what the first one wrote is known by then.
+TEST(BackEndThread, ARecordingPlayedTwiceIsTwoSessionsOfTheMapTakenUp) {
+  std::string folder = (std::filesystem::temp_directory_path() / "thread-XXXXXX").string();
+  folder = mkdtemp(folder.data());
+  const std::string path = folder + "/map.sgmap";
+  const auto walk = walk_with_clouds();
+  std::vector<std::string> failures;
+  const auto failed = [&](const std::string& text) { failures.push_back(text); };
+  {
+    BackEndThread thread(
+        {}, "map", path, {}, [](const LiveMap&, double) {}, failed);
+    for (const SeenKeyframe& seen : walk) thread.process(matched(seen));
+    ASSERT_TRUE(thread.optimize(seconds(100)));
+  }
+  {
+    BackEndThread thread(
+        {}, "map", path, make_start(path, "continue", "first"), [](const LiveMap&, double) {}, failed);
+    for (int times = 0; times < 2; ++times) {
+      for (const SeenKeyframe& seen : walk) thread.process(matched(seen));
+      const auto state = thread.optimize(seconds(100));
+      ASSERT_TRUE(state);
+      EXPECT_TRUE(state->placed) << state->localisation->reason;
+    }
+  }
+  EXPECT_TRUE(failures.empty()) << failures.front();
+  EXPECT_EQ(check_map(path), std::vector<std::string>{});
+  const MapSummary summary = summarize_map(path);
+  ASSERT_EQ(summary.sessions.size(), 3U);
+  for (const MapSummary::Session& session : summary.sessions) EXPECT_EQ(session.keyframes, static_cast<std::int64_t>(walk.size()));
+  std::filesystem::remove_all(folder);
+}
+
+// Where no map file can be written that is said as long as it lasts, and mapping goes on.
+TEST(BackEndThread, AMapThatCannotBeWrittenIsSaidWithEachState) {
+  std::vector<std::string> failures;
+  BackEndThread thread(
+      {}, "map", "/proc/map.sgmap", {}, [](const LiveMap&, double) {}, [&](const std::string& text) { failures.push_back(text); });
+  const auto walk = walk_with_clouds();
+  for (std::size_t i = 0; i < 5; ++i) {
+    thread.process(matched(walk[i]));
+    const auto state = thread.optimize(seconds(100));
+    ASSERT_TRUE(state);
+    EXPECT_EQ(state->graph->keyframes.size(), i + 1);
+    EXPECT_NE(state->store_problem.find("no map file is written"), std::string::npos) << state->store_problem;
+  }
+  EXPECT_EQ(failures.size(), 1U);
 }
 
 }  // namespace
