@@ -115,6 +115,17 @@ void read_clouds(Database& database, StoredMap& map) {
   }
 }
 
+// The text of the places; empty when it is damaged: they can be found again from the rest.
+std::string readable_scene(std::string text, std::vector<std::string>& faults) {
+  try {
+    parse_graph_json(text);
+    return text;
+  } catch (const std::exception& error) {
+    faults.push_back(std::string("the places cannot be read: ") + error.what());
+    return {};
+  }
+}
+
 // Views of a plane, by keyframe.
 std::map<PlaneId, std::vector<const StoredView*>> views_by_plane(const StoredMap& map) {
   std::map<PlaneId, std::vector<const StoredView*>> views;
@@ -149,7 +160,7 @@ StoredMap read_map(const std::string& path, Clouds clouds) {
     map.decisions.push_back({{row.integer(1)}, row.integer(2) != 0, row.text(3), row.text(4)});
   });
   each(database, "documents", "SELECT name, value FROM documents ORDER BY name", [&](const Statement& row) {
-    if (row.text(0) == "scene") map.scene = row.text(1);
+    if (row.text(0) == "scene") map.scene = readable_scene(row.text(1), map.faults);
     if (row.text(0) == "next_ids") map.next_ids = nlohmann::json::parse(row.text(1)).get<std::array<std::int64_t, 4>>();
   });
   if (clouds == Clouds::all) read_clouds(database, map);
@@ -198,7 +209,8 @@ MapSummary summarize_map(const std::string& path) {
   summary.merges = database.number("SELECT count(*) FROM merges");
   summary.points = database.number("SELECT sum(points) FROM clouds");
   summary.cloud_bytes = database.number("SELECT sum(length(data)) FROM clouds");
-  const std::string scene = database.text("SELECT value FROM documents WHERE name = 'scene'");
+  std::vector<std::string> faults;  // check_map tells them
+  const std::string scene = readable_scene(database.text("SELECT value FROM documents WHERE name = 'scene'"), faults);
   if (!scene.empty()) {
     const GraphSnapshot places = parse_graph_json(scene);
     summary.rooms = static_cast<std::int64_t>(places.rooms.size());
@@ -250,11 +262,6 @@ std::vector<std::string> check_map(const std::string& path) {
     for (const VariableId& variable : blocks(factor.data)) {
       if (!known(variable)) faults.push_back("factor " + std::to_string(id.value) + " names " + to_string(variable) + ", which is not there");
     }
-  }
-  try {
-    if (!map.scene.empty()) parse_graph_json(map.scene);
-  } catch (const std::exception& error) {
-    faults.push_back(std::string("places: ") + error.what());
   }
   return faults;
 }

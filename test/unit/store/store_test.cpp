@@ -370,6 +370,24 @@ TEST(Store, AScrambledFileIsSurvived) {
   }
 }
 
+// Damaged places cost the places only: they can be found again from the walls.
+TEST(Store, ADamagedSceneIsAFaultAndNoMore) {
+  const Folder folder;
+  const std::string path = folder.file("map.sgmap");
+  std::filesystem::copy_file(std::string(samples) + "/schema_1.sgmap", path);
+  std::filesystem::permissions(path, std::filesystem::perms::owner_all);
+  sqlite3* database = nullptr;
+  ASSERT_EQ(sqlite3_open(path.c_str(), &database), SQLITE_OK);
+  sqlite3_exec(database, "UPDATE documents SET value = '{\"format\": 1, \"rooms\": [{}]}' WHERE name = 'scene'", nullptr, nullptr, nullptr);
+  sqlite3_close(database);
+  const StoredMap map = read_map(path, Clouds::none);
+  ASSERT_EQ(map.faults.size(), 1U);
+  EXPECT_EQ(map.faults.front().rfind("the places cannot be read", 0), 0U);
+  EXPECT_EQ(snapshot_of(map).planes.size(), map.planes.size());
+  EXPECT_EQ(check_map(path).size(), 1U);
+  EXPECT_EQ(summarize_map(path).rooms, 0);
+}
+
 TEST(Store, AFolderThatCannotBeWrittenIsSaid) {
   EXPECT_THROW(MapStore("/proc/map.sgmap", MapStore::Mode::create, session()), StoreError);
   EXPECT_THROW(MapStore("/nowhere/at/all/map.sgmap", MapStore::Mode::create, session()), StoreError);
