@@ -14,6 +14,9 @@ namespace sgraph {
 namespace {
 
 constexpr std::size_t fewest_points = 50;
+// Where all that is seen is near, as in a stairwell, one point in a voxel is too few: on a landing a VLP-16 sees two dozen points of any floor or
+// step.
+constexpr std::size_t fewest_keypoints = 1500;
 constexpr double no_times = 1e-3;         // clouds whose points span less [s] have one pose
 constexpr double broken_motion = 0.05;    // [s] between scans after which what the last one shows of the velocity is too little
 constexpr double covariance_scale = 9.0;  // points on one surface share its errors: their residuals are not independent
@@ -107,6 +110,8 @@ WindowScan LidarOdometry::prepare(const CloudPtr& cloud) const {
   scan.end = scan.time + firing.end;
   if (scan.end - scan.begin < no_times) scan.begin = scan.end = scan.time;
   scan.keypoints = thinned(scan.cloud->points, params_.motion.keypoint_leaf);
+  scan.narrow = scan.keypoints.size() < fewest_keypoints;
+  if (scan.narrow) scan.keypoints = thinned(scan.cloud->points, 0.5 * params_.motion.keypoint_leaf);
   if (distributions_) scan.own = std::make_shared<SurfaceMap>(local_.map_of(*scan.cloud, {}));
   return scan;
 }
@@ -173,10 +178,25 @@ std::vector<SegmentMeasurement> LidarOdometry::measurements() const {
   return all;
 }
 
+// A gyro measures how the rotation changes; the prior, which only guesses that it hardly does, would outvote it where the sensor is tipped at once:
+// on the first step of a flight a body pitches by 30 degrees within half a second.
+void LidarOdometry::loosen_prior(WindowProblem& problem) const {
+  constexpr double looser = 20;
+  std::vector<bool> measured(problem.knots.size(), false);
+  for (const SegmentMeasurement& m : problem.measurements) {
+    const bool turn_only = m.measured.information.bottomRightCorner<3, 3>().isZero();
+    if (turn_only) measured[static_cast<std::size_t>(m.segment)] = true;
+  }
+  for (std::size_t i = 1; i + 1 < problem.knots.size(); ++i) {
+    if (measured[i - 1] && measured[i]) problem.prior[i].rotation_sigma *= looser;
+  }
+}
+
 WindowResult LidarOdometry::solve(const RigidAlignmentResult& alignment) {
   window_.start_from(alignment, motion_known_ ? last_end_ : window_.held_until());
   WindowProblem problem = window_.problem(local_.up());
   problem.measurements = measurements();
+  loosen_prior(problem);
   WindowOptions options;
   options.distributions = distributions_;
   options.iterations = params_.motion.iterations;

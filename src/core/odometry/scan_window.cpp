@@ -11,7 +11,10 @@ namespace {
 constexpr double standing_step = 0.05;  // [s] between knots before any motion is known
 constexpr double own_surface = 0.1;     // [m] of a point from the surface of its own scan that it lies on
 constexpr double usual_change = 15.0;   // a correction's ratio to the change of velocity a step that it speaks of
-constexpr double same_time = 1e-9;      // [s]
+// The same in a narrow place, where the prior would outvote the few points that hold the motion. A constant acceleration a moves the end of a scan of
+// T = 0.1 s by a T^2 / 2 and changes the velocity times a step h = 0.05 s by a h^2: 2; the correction is shared out over the steps of two scans.
+constexpr double change_where_narrow = 4.0;
+constexpr double same_time = 1e-9;  // [s]
 
 }  // namespace
 
@@ -64,8 +67,9 @@ WindowScan ScanWindow::pop() {
 void ScanWindow::start_from(const RigidAlignmentResult& alignment, double from) {
   scans_.back().observable = alignment.held;
   VelocityPrior widened = prior();
-  widened.rotated = so3_log(alignment.correction.rotation) / usual_change;
-  widened.translated = alignment.moved / usual_change;
+  const double change = scans_.back().narrow ? change_where_narrow : usual_change;
+  widened.rotated = so3_log(alignment.correction.rotation) / change;
+  widened.translated = alignment.moved / change;
   for (std::size_t i = static_cast<std::size_t>(first_free_) - 1; i < knots_.size(); ++i) {
     if (knots_[i].time < from - same_time) continue;
     if (knots_[i].time > from + same_time && static_cast<int>(i) >= first_free_) knots_[i].pose = alignment.correction * knots_[i].pose;

@@ -33,6 +33,7 @@ class LidarOdometry : public MotionSource {
   void find_first_motion(const WindowScan& second);
   [[nodiscard]] Pose predicted(double time, bool gap) const;
   [[nodiscard]] std::vector<SegmentMeasurement> measurements() const;
+  void loosen_prior(WindowProblem& problem) const;
   WindowResult solve(const RigidAlignmentResult& alignment);
   void keep_prediction(const Knots& predicted, const AcceptanceVerdict& verdict, WindowScan& scan);
   void estimate_covariance(WindowScan& newest, const WindowResult& solved, const std::vector<Vector6>& free_directions) const;

@@ -21,6 +21,7 @@ struct WindowScan {
   bool accepted = true;                      ///< false: its pose is only a prediction
   bool enters_map = true;                    ///< when it leaves the window
   bool after_gap = false;                    ///< in time: its start was searched for
+  bool narrow = false;                       ///< so few keypoints that all that is seen is near
   Matrix6 covariance = Matrix6::Zero();      ///< of its pose, base frame
   std::vector<Vector6> degenerate;           ///< directions that its points don't hold, base frame
   Matrix6 observable = Matrix6::Identity();  ///< projection of a knot's step onto the directions that its points hold, odom's axes
