@@ -21,7 +21,8 @@
 namespace sgraph {
 namespace {
 
-constexpr int returns_apart = 5;  // keyframes between two global solves because a place was seen again
+constexpr int returns_apart = 5;  // keyframes between two global solves because a place was seen again,
+constexpr int returns_share = 2;  // or this part of what is due anyway: in halls something is always seen again
 
 DominantFrameParams frame_params() { return {}; }
 
@@ -248,8 +249,9 @@ class BackEnd::Implementation {
   }
 
   [[nodiscard]] bool wants_global(const AssociationResult& seen) const {
-    if (state_.since_global >= static_cast<int>(due())) return true;
-    return state_.since_global >= returns_apart && (seen.returned || !state_.pending_merges.empty());
+    const int whole = static_cast<int>(due());
+    if (state_.since_global >= whole) return true;
+    return state_.since_global >= std::max(returns_apart, whole / returns_share) && (seen.returned || !state_.pending_merges.empty());
   }
 
   void note(const SolveSummary& summary) {

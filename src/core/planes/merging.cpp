@@ -1,6 +1,8 @@
 #include "sgraph_slam/core/planes/merging.hpp"
 
+#include <algorithm>
 #include <cmath>
+#include <iterator>
 
 #include <Eigen/Cholesky>
 
@@ -41,17 +43,24 @@ PlaneDifference plane_difference(const Plane& a, const Plane& b, const Eigen::Ve
   return difference;
 }
 
+// Planes that may be near enough to plane a. On it they are `margin` apart at most; off it, b reaches as far as it may be off at the common point and
+// its distance from there at the largest angle: metres, where one of them is long. All long ones are asked, so that this holds for the others only.
+std::vector<PlaneId> within_reach(const PlaneIndex& index, const PlaneRecord& a, const MergeParams& params, double margin) {
+  const double reach = a.box().diagonal().norm() + PlaneIndex::long_plane + margin;
+  const double off = params.max_distance + 2 * std::sin(params.max_angle) * reach + PlaneMap::stale;
+  const std::vector<PlaneId> near = index.near(a.box(), std::hypot(margin, off));
+  std::vector<PlaneId> all;
+  std::set_union(near.begin(), near.end(), index.long_planes().begin(), index.long_planes().end(), std::back_inserter(all));
+  return all;
+}
+
 std::vector<PlanePair> merge_candidates(const Graph& graph, const PlaneMap& planes, const MergeParams& params, double margin) {
   std::vector<PlanePair> pairs;
   const double limit = std::cos(params.max_angle);
   for (const auto& [id_a, a] : planes.records()) {
     const Plane* plane_a = graph.find(id_a);
     if (!plane_a) continue;
-    // On plane a they are `margin` apart at most; off it, b reaches as far as it may be off at the common point and its distance from there at the
-    // largest angle.
-    const double reach = a.box().diagonal().norm() + planes.index().longest() + margin;
-    const double off = params.max_distance + 2 * std::sin(params.max_angle) * reach + PlaneMap::stale;
-    for (const PlaneId id_b : planes.index().near(a.box(), std::hypot(margin, off))) {
+    for (const PlaneId id_b : within_reach(planes.index(), a, params, margin)) {
       if (!(id_a < id_b)) continue;
       const PlaneRecord& b = *planes.find(id_b);
       const Plane* plane_b = graph.find(id_b);

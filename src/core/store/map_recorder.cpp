@@ -102,13 +102,18 @@ void MapRecorder::note_planes(const MapView& view, StoreBatch& batch) {
 }
 
 void MapRecorder::note_factors(const MapView& view, StoreBatch& batch) {
-  for (const auto& [id, factor] : view.graph.factors()) {
+  // Mostly factors have only been added since the last time: those beyond the ones known.
+  const std::map<FactorId, Factor>& now = view.graph.factors();
+  const bool edited = view.graph.factors_edited() != factors_edited_;
+  factors_edited_ = view.graph.factors_edited();
+  for (auto it = edited || factors_.empty() ? now.begin() : now.upper_bound(factors_.rbegin()->first); it != now.end(); ++it) {
+    const auto& [id, factor] = *it;
     const auto [known, is_new] = factors_.try_emplace(id, factor);
     if (!is_new && known->second == factor) continue;
     known->second = factor;
     batch.factors[id] = factor;
   }
-  batch.removed_factors = gone(factors_, view.graph.factors());
+  if (edited) batch.removed_factors = gone(factors_, now);
   for (const FactorId id : batch.removed_factors) viewed_.erase(id);
   for (const auto& [id, record] : view.graph.merges()) {
     const auto [known, is_new] = merges_.try_emplace(id, record);

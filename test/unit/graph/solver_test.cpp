@@ -272,31 +272,6 @@ TEST(RecentSolver, MovesWhatAWindowMoves) {
   }
 }
 
-TEST(DeferredSolve, BringsWhatHasComeSinceAlong) {
-  World world(12, 1.0, true, 2);
-  world.disturb(0.03);
-  Graph at_once = world.graph;
-  const SolveSummary expected = solve(at_once, {});
-  DeferredSolve deferred(world.graph, {});
-  const KeyframeId last{15};
-  const Pose step{so3_exp(Eigen::Vector3d(0, 0, 0.1)), {0.5, 0, 0}};
-  const Plane seen{Eigen::Vector3d::UnitX(), 3.0};
-  Transaction t;
-  t.keyframes[KeyframeId{16}] = *world.graph.find(last) * step;
-  t.planes[PlaneId{9}] = *world.graph.find(last) * seen;
-  t.remove_variables = {PlaneId{1}};
-  ASSERT_TRUE(world.graph.apply(t).ok());
-  const SolveSummary summary = deferred.finish(world.graph);
-  EXPECT_EQ(summary.final_cost, expected.final_cost);
-  for (const auto& [id, pose] : at_once.keyframes()) EXPECT_EQ(world.graph.find(id)->translation, pose.translation) << id.value;
-  EXPECT_EQ(world.graph.find(PlaneId{1}), nullptr);
-  EXPECT_EQ(world.graph.find(PlaneId{2})->d, at_once.find(PlaneId{2})->d);
-  EXPECT_EQ(world.graph.find(RoomId{0})->width, at_once.find(RoomId{0})->width);
-  EXPECT_LT(se3_log((*at_once.find(last) * step).inverse() * *world.graph.find(KeyframeId{16})).norm(), 1e-12);
-  const Plane moved = at_once.find(last)->inverse() * *world.graph.find(PlaneId{9});
-  EXPECT_LT((moved.normal - seen.normal).norm() + std::abs(moved.d - seen.d), 1e-12);
-}
-
 TEST(Solver, PointsFormRecoversTheTruthToo) {
   World world(3, 0.0, false);
   Transaction t;

@@ -61,6 +61,8 @@ class Graph {
   /// out of date.
   [[nodiscard]] std::int64_t views_withdrawn() const { return views_withdrawn_; }
   [[nodiscard]] std::int64_t keyframes_moved() const { return keyframes_moved_; }
+  /// How often factors have been taken away, re-pointed or put back: while this stays, all that is new has ids beyond those known.
+  [[nodiscard]] std::int64_t factors_edited() const { return factors_edited_; }
 
   /// Variables, factors and records; not how they came about.
   friend bool operator==(const Graph& a, const Graph& b);
@@ -82,6 +84,7 @@ class Graph {
   std::int64_t next_factor_ = 0;
   std::int64_t views_withdrawn_ = 0;
   std::int64_t keyframes_moved_ = 0;
+  std::int64_t factors_edited_ = 0;
 };
 
 }  // namespace sgraph

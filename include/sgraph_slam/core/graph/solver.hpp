@@ -1,6 +1,5 @@
 #pragma once
 
-#include <memory>
 #include <optional>
 #include <set>
 
@@ -29,25 +28,6 @@ struct SolveScope {
 /// `function_tolerance` asks for (docs/solver.md). Values that come out not finite are not written back (`converged` is false then). Deterministic,
 /// on one thread. Not thread-safe on one graph.
 SolveSummary solve(Graph& graph, const SolverOptions& options, const SolveScope& scope = {});
-
-/// A solve of the whole graph that goes on beside the mapping, on a thread and on values of its own. When it is brought in is for the caller to
-/// decide, by counts of keyframes: then results don't depend on how fast the machine is.
-class DeferredSolve {
- public:
-  /// Takes what it needs from the graph and starts.
-  DeferredSolve(const Graph& graph, const SolverOptions& options);
-  ~DeferredSolve();  ///< waits for the thread
-  DeferredSolve(DeferredSolve&&) noexcept;
-  DeferredSolve& operator=(DeferredSolve&&) noexcept;
-
-  /// Waits for the solution and writes it into the graph, which may have grown and lost variables since. Keyframes and planes that have come since
-  /// move along with the newest keyframe that was solved, rigidly; rooms and corridors whose axes have been set anew keep their values. Once.
-  SolveSummary finish(Graph& graph);
-
- private:
-  class Implementation;
-  std::unique_ptr<Implementation> implementation_;
-};
 
 /// The newest `count` keyframes, the planes they see, and the rooms and corridors of those planes.
 SolveScope recent_window(const Graph& graph, int count);

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <map>
+#include <set>
 #include <utility>
 #include <vector>
 
@@ -22,8 +23,10 @@ class PlaneIndex {
   /// Planes whose boxes are at most `gap` [m] from the box, by id.
   [[nodiscard]] std::vector<PlaneId> near(const Eigen::AlignedBox3d& box, double gap) const;
 
-  /// Longest diagonal of the boxes ever entered [m].
-  [[nodiscard]] double longest() const { return longest_; }
+  /// A box with a longer diagonal is of a long plane: floors, the walls of halls and corridors. There are few [m].
+  static constexpr double long_plane = 8;
+  /// Long planes, by id.
+  [[nodiscard]] const std::set<PlaneId>& long_planes() const { return long_planes_; }
 
  private:
   using Cell = std::pair<std::int64_t, std::int64_t>;
@@ -33,7 +36,7 @@ class PlaneIndex {
 
   std::map<PlaneId, Eigen::AlignedBox3d> boxes_;
   std::map<Cell, std::vector<PlaneId>> cells_;
-  double longest_ = 0;
+  std::set<PlaneId> long_planes_;
 };
 
 }  // namespace sgraph

@@ -33,6 +33,7 @@ class MapRecorder : public MapObserver {
   std::map<PlaneId, MergeRecord> merges_;
   std::map<PlaneId, std::size_t> views_;  ///< written of each plane
   std::set<FactorId> viewed_;
+  std::int64_t factors_edited_ = -1;  ///< as the graph counts
   std::map<std::string, std::string> documents_;
   std::size_t decisions_ = 0;
 };
