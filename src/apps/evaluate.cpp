@@ -96,6 +96,9 @@ void measure_map(const Options& options, const Trajectory& truth, Evaluation& ev
   const MappedPlaces mapped = read_mapped_places(options.run / "graph.json");
   const TruePlaces places = read_true_places(plan_file);
   evaluation.places = score_places(mapped.places, places.places, T_truth_map);
+  const auto storeys = read_true_storeys(read_file(plan_file));
+  if (storeys && storeys->elevations.size() > 1 && !truth.empty())
+    evaluation.storeys = score_storeys(graph, *storeys, truth.front().stamp, T_truth_map);
   if (mapped.has_doors && places.has_doors) evaluation.doors = score_doors(mapped.doors, places.doors, T_truth_map);
 }
 

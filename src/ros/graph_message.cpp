@@ -29,6 +29,7 @@ sgraph_slam::SceneKeyframe to_message(const SceneKeyframe& keyframe) {
   message.stamp = to_ros_time(keyframe.stamp);
   message.pose = to_message(keyframe.T_map_base);
   message.odom_pose = to_message(keyframe.T_odom_base);
+  message.storey = keyframe.storey;
   return message;
 }
 
@@ -41,6 +42,7 @@ sgraph_slam::ScenePlane to_message(const ScenePlane& plane) {
   to_rows<3>(plane.covariance, message.covariance);
   message.extent = to_points(plane.extent);
   message.keyframes = ids_of(plane.keyframes);
+  message.storey = plane.storey;
   return message;
 }
 
@@ -129,6 +131,7 @@ std::optional<SceneKeyframe> value_of(const sgraph_slam::SceneKeyframe& message)
   keyframe.stamp = to_stamp(message.stamp);
   keyframe.T_map_base = *pose;
   keyframe.T_odom_base = *odom_pose;
+  keyframe.storey = message.storey;
   return keyframe;
 }
 
@@ -142,6 +145,7 @@ std::optional<ScenePlane> value_of(const sgraph_slam::ScenePlane& message) {
   const bool numbers = std::isfinite(message.d) && plane.covariance.allFinite() && finite(plane.extent);
   if (!numbers || !is_unit(plane.plane.normal) || message.plane_class > sgraph_slam::ScenePlane::UNCLASSIFIED) return {};
   plane.plane_class = static_cast<PlaneClass>(message.plane_class);
+  plane.storey = message.storey;
   return plane;
 }
 

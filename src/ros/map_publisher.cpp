@@ -4,6 +4,7 @@
 
 #include "sgraph_slam/core/io/map_cloud.hpp"
 #include "sgraph_slam/core/io/occupancy_grid.hpp"
+#include "sgraph_slam/core/io/storey_view.hpp"
 #include "sgraph_slam/core/pipeline/pipeline.hpp"
 #include "sgraph_slam/ros/cloud_message.hpp"
 #include "sgraph_slam/ros/markers.hpp"
@@ -110,7 +111,12 @@ void MapPublisher::publish(const LiveMap& state, bool all) {
   send(markers_, always, [&](bool whole) {
     whole = whole || ++partial_ >= parts_before_whole;
     if (whole) partial_ = 0;
-    const visualization_msgs::MarkerArray changed = changes_.since_last(graph_markers(graph, settings_.ros.layer_height), whole);
+    const RosSettings& ros = settings_.ros;
+    const GraphSnapshot one = ros.storey >= 0 ? of_storey(graph, ros.storey) : GraphSnapshot{};
+    const GraphSnapshot& shown = ros.storey >= 0 ? one : graph;
+    const visualization_msgs::MarkerArray drawing =
+        ros.storey_gap > 0 ? graph_markers(exploded(shown, ros.storey_gap), ros.layer_height) : graph_markers(shown, ros.layer_height);
+    const visualization_msgs::MarkerArray changed = changes_.since_last(drawing, whole);
     if (!changed.markers.empty()) markers_.publisher.publish(changed);
   });
   send(path_, always, [&](bool) { path_.publisher.publish(path_of(graph)); });

@@ -45,6 +45,8 @@ void RosSettings::describe(ParamVisitor& v) {
   v.field("tf_rate", tf_rate, "Hz", {1, 200}, "Rate of the transform from map to odom.");
   v.field("tf_lookahead", tf_lookahead, "s", {0, 2}, "How far ahead of its time that transform is dated, so that nobody has to wait for it.");
   v.field("map_leaf", map_leaf, "m", {0.02, 2}, "Edge of the voxels of which map_points keeps one point each.");
+  v.field("storey_gap", storey_gap, "m", {0, 1000}, "Further distance of the building's storeys from each other in `markers`: drawn exploded.");
+  v.field("storey", storey, "", {-1, 1000}, "The storey that `markers` show; -1: all.");
   v.field("layer_height", layer_height, "m", {0, 100}, "Distance of the S-Graph's layers above each other in `markers`.");
 }
 

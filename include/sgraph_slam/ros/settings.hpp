@@ -27,6 +27,8 @@ struct RosSettings {
   double tf_lookahead = 0.1;
   double map_leaf = 0.1;
   double layer_height = 7;
+  double storey_gap = 0;
+  int storey = -1;
 
   void describe(ParamVisitor& v);
 };

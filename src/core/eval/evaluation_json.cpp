@@ -72,6 +72,17 @@ json json_of(const PlaceScore& s) {
           {"false_alarms", s.false_alarms}};
 }
 
+json json_of(const StoreyScore& s) {
+  return {{"true", s.truths},
+          {"found", s.estimates},
+          {"keyframes", s.keyframes},
+          {"keyframes_right", s.right},
+          {"keyframes_on_stairs", s.on_stairs},
+          {"keyframes_on_stairs_misplaced", s.stairs_misplaced},
+          {"height_errors_m", s.height_errors},
+          {"planes_across_storeys", s.planes_across}};
+}
+
 json json_of(const PlaceQuality& s) {
   json matches = json::array();
   for (const QualityMatch& m : s.matches) matches.push_back({{"truth", m.truth}, {"estimate", m.estimate}, {"iou", m.iou}});
@@ -147,6 +158,7 @@ std::string to_json(const Evaluation& e) {
   if (e.corridors) j["corridors"] = json_of(*e.corridors);
   if (e.places) j["places"] = json_of(*e.places);
   if (e.doors) j["doors"] = json_of(*e.doors);
+  if (e.storeys) j["storeys"] = json_of(*e.storeys);
   if (e.walls) j["walls"] = json_of(*e.walls, e.faces);
   if (e.associations) j["associations"] = json_of(*e.associations);
   if (e.association_loss) {

@@ -79,6 +79,12 @@ void add_doors(std::string& text, const DoorQuality& s) {
   for (const long long id : s.invented) add_line(text, "  find %lld is no true one", id);
 }
 
+void add_storeys(std::string& text, const StoreyScore& s) {
+  add_line(text, "storeys: %d found of %d; %d of %d keyframes on theirs, %d of %d on stairs misplaced; %d planes taken for one across storeys",
+           s.estimates, s.truths, s.right, s.keyframes, s.stairs_misplaced, s.on_stairs, s.planes_across);
+  for (const double error : s.height_errors) add_line(text, "  height against the first %+.4f m", error);
+}
+
 void add_places(std::string& text, const char* name, const PlaceScore& s) {
   add_line(text, "%s: %zu of %d found (recall %.2f), %zu of %d finds right (precision %.2f), %d found twice", name, s.matches.size(), s.truths,
            s.recall(), s.matches.size(), s.estimates, s.precision(), s.duplicates);
@@ -110,6 +116,7 @@ std::string to_table(const Evaluation& e) {
   if (e.corridors) add_places(text, "corridors", *e.corridors);
   if (e.places) add_quality(text, *e.places);
   if (e.doors) add_doors(text, *e.doors);
+  if (e.storeys) add_storeys(text, *e.storeys);
   for (const std::string& remark : e.remarks) text += "note: " + remark + "\n";
   return text;
 }

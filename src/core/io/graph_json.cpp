@@ -36,24 +36,28 @@ Json ids(const Ids& values) {
 Json to_json(const SceneKeyframe& keyframe) {
   Json scans = Json::array();
   for (const StampedPose& scan : *keyframe.scans) scans.push_back({{"nanoseconds", scan.stamp.nanoseconds}, {"pose", to_json(scan.pose)}});
-  return {{"id", keyframe.id.value},
-          {"stamp", keyframe.stamp.seconds()},
-          {"nanoseconds", keyframe.stamp.nanoseconds},
-          {"pose", to_json(keyframe.T_map_base)},
-          {"odom_pose", to_json(keyframe.T_odom_base)},
-          {"scans", scans}};
+  Json json = {{"id", keyframe.id.value},
+               {"stamp", keyframe.stamp.seconds()},
+               {"nanoseconds", keyframe.stamp.nanoseconds},
+               {"pose", to_json(keyframe.T_map_base)},
+               {"odom_pose", to_json(keyframe.T_odom_base)},
+               {"scans", scans}};
+  if (keyframe.storey != 0) json["storey"] = keyframe.storey;
+  return json;
 }
 
 Json to_json(const ScenePlane& plane) {
   Json extent = Json::array();
   for (const auto& corner : plane.extent) extent.push_back(numbers(corner));
-  return {{"id", plane.id.value},
-          {"class", to_string(plane.plane_class)},
-          {"normal", numbers(plane.plane.normal)},
-          {"d", plane.plane.d},
-          {"covariance", numbers(plane.covariance)},
-          {"extent", extent},
-          {"keyframes", ids(plane.keyframes)}};
+  Json json = {{"id", plane.id.value},
+               {"class", to_string(plane.plane_class)},
+               {"normal", numbers(plane.plane.normal)},
+               {"d", plane.plane.d},
+               {"covariance", numbers(plane.covariance)},
+               {"extent", extent},
+               {"keyframes", ids(plane.keyframes)}};
+  if (plane.storey != 0) json["storey"] = plane.storey;
+  return json;
 }
 
 Json to_json(const SceneSide& side) {
@@ -151,6 +155,7 @@ SceneKeyframe keyframe_from(const Json& json) {
   Trajectory scans;
   for (const Json& scan : json.at("scans")) scans.push_back({{integer_from(scan.at("nanoseconds"))}, pose_from(scan.at("pose"))});
   keyframe.scans = std::move(scans);
+  if (json.contains("storey")) keyframe.storey = static_cast<int>(integer_from(json.at("storey")));
   return keyframe;
 }
 
@@ -162,6 +167,7 @@ ScenePlane plane_from(const Json& json) {
   plane.covariance = Eigen::Map<const Eigen::Matrix3d>(vector_from<9>(json.at("covariance")).eval().data());
   for (const Json& corner : json.at("extent")) plane.extent.push_back(vector_from<3>(corner));
   for (const KeyframeId id : ids_from<KeyframeId>(json.at("keyframes"))) plane.keyframes.insert(id);
+  if (json.contains("storey")) plane.storey = static_cast<int>(integer_from(json.at("storey")));
   return plane;
 }
 

@@ -8,6 +8,7 @@
 #include "sgraph_slam/core/io/graph_json.hpp"
 #include "sgraph_slam/core/io/map_cloud.hpp"
 #include "sgraph_slam/core/io/occupancy_grid.hpp"
+#include "sgraph_slam/core/io/storey_view.hpp"
 #include "sgraph_slam/core/io/tum.hpp"
 
 namespace sgraph {
@@ -30,6 +31,22 @@ std::string decisions_csv(const DecisionLog& decisions) {
   return text;
 }
 
+namespace {
+
+// The grid and the drawings of a storey; `suffix` comes before the dot of each name.
+void write_plans(const std::string& base, const std::string& suffix, const GraphSnapshot& snapshot, const Trajectory& path, const Pose& T_base_lidar,
+                 const OutputParams& params, const SeenThrough* leave_out) {
+  const OccupancyGrid grid = make_occupancy_grid(snapshot, T_base_lidar, params, leave_out);
+  write_file(base + "map" + suffix + ".pgm", pgm_bytes(grid));
+  write_file(base + "map" + suffix + ".yaml", map_yaml(grid, "map" + suffix + ".pgm"));
+  const FloorPlan plan = make_floor_plan(snapshot, grid, path);
+  write_file(base + "floor_plan" + suffix + ".png", floor_plan_png(plan));
+  write_file(base + "floor_plan" + suffix + ".svg", floor_plan_svg(plan));
+  write_file(base + "floor_plan" + suffix + ".dxf", floor_plan_dxf(plan));
+}
+
+}  // namespace
+
 void write_map(const std::string& folder, const GraphSnapshot& snapshot, const Trajectory& path, const Pose& T_base_lidar,
                const OutputParams& params) {
   make_folder(folder);
@@ -43,13 +60,17 @@ void write_map(const std::string& folder, const GraphSnapshot& snapshot, const T
   if (!params.keep_gone) gone.emplace(snapshot, T_base_lidar);
   const SeenThrough* const leave_out = gone ? &*gone : nullptr;
   write_file(base + "map.pcd", pcd_bytes(map_cloud(snapshot, T_base_lidar, params.cloud_leaf, leave_out)));
-  const OccupancyGrid grid = make_occupancy_grid(snapshot, T_base_lidar, params, leave_out);
-  write_file(base + "map.pgm", pgm_bytes(grid));
-  write_file(base + "map.yaml", map_yaml(grid, "map.pgm"));
-  const FloorPlan plan = make_floor_plan(snapshot, grid, path);
-  write_file(base + "floor_plan.png", floor_plan_png(plan));
-  write_file(base + "floor_plan.svg", floor_plan_svg(plan));
-  write_file(base + "floor_plan.dxf", floor_plan_dxf(plan));
+  const std::set<int> storeys = storeys_of(snapshot);
+  if (storeys.size() < 2) {
+    write_plans(base, "", snapshot, path, T_base_lidar, params, leave_out);
+    return;
+  }
+  for (const int storey : storeys) {
+    const GraphSnapshot part = of_storey(snapshot, storey);
+    const Trajectory on_it = path_of(part, path);
+    write_plans(base, '_' + std::to_string(storey), part, on_it, T_base_lidar, params, leave_out);
+    if (storey == *storeys.begin()) write_plans(base, "", part, on_it, T_base_lidar, params, leave_out);
+  }
 }
 
 }  // namespace sgraph

@@ -25,6 +25,7 @@ std::optional<KeyframeId> candidate(const Graph& graph, const std::map<KeyframeI
   for (const auto& [id, keyframe] : keyframes) {
     if (drift.path(id, now) < params.min_path) break;
     const double distance = (graph.find(id)->translation - here).norm();
+    if (keyframe.storey != keyframes.at(now).storey) continue;
     if (distance < least && keyframe.cloud) {
       least = distance;
       nearest = id;

@@ -17,6 +17,7 @@
 #include "sgraph_slam/core/planes/add_observations.hpp"
 #include "sgraph_slam/core/planes/drop_planes.hpp"
 #include "sgraph_slam/core/planes/merge_duplicates.hpp"
+#include "sgraph_slam/core/storeys/find_storeys.hpp"
 
 namespace sgraph {
 namespace {
@@ -46,6 +47,7 @@ class BackEnd::Implementation {
     const Pose T_map_odom_before = *state_.graph.find(last.id) * last.T_odom_base.inverse();
     state_.session = {last.id.value + 1, T_map_odom_before.inverse() * T_map_odom, covariance};
     state_.T_map_odom = T_map_odom;
+    update_storeys();
     if (state_.params.topological_layer) take_up_places();
     checkpoint();
     publish(false);
@@ -218,6 +220,7 @@ class BackEnd::Implementation {
     if (!add_keyframe(state_, input.keyframe, input.cloud)) return false;
     state_.optimized = false;
     summary_ = {};
+    update_storeys();
     if (input.planes) map_planes(input.keyframe, input.cloud, input.segments);
     place_odometry();
     return true;
@@ -229,7 +232,9 @@ class BackEnd::Implementation {
     if (state_.params.solving.window > 0) solve_window();
     update_frame();
     if (state_.params.topological_layer) {
-      if (const CloudPtr points = cloud.get()) state_.layer.add(keyframe.id, *points, state_.planes.T_base_lidar);
+      const int storey = state_.planes.storey_of(keyframe.id);
+      const CloudPtr points = storey == stairwell ? nullptr : cloud.get();
+      if (points) state_.layer.add(keyframe.id, *points, state_.planes.T_base_lidar, storey);
       visit(keyframe.id);
       add_widths(committer_, state_.layer, segments, seen.planes, state_.params.topology);
     }
@@ -237,6 +242,35 @@ class BackEnd::Implementation {
         close_loop(committer_, state_.loops, state_.keyframes, state_.planes.drift, state_.planes.marginals) ||
         close_loop_by_appearance(committer_, state_.loops, state_.keyframes, state_.planes.map, state_.planes.drift, state_.planes.marginals);
     if (looped || wants_global(seen)) solve_global(state_.params.solving.iterations);
+  }
+
+  // Which storey each keyframe and each plane is on; that of the newest keyframes may change while it shows where they lead.
+  void update_storeys() {
+    std::vector<Eigen::Vector3d> positions;
+    for (const auto& [id, keyframe] : state_.keyframes) positions.push_back(state_.graph.find(id)->translation);
+    const StoreysOfPath found = find_storeys(positions);
+    std::map<KeyframeId, int> storeys;
+    bool changed = found.heights.size() != state_.storeys;
+    std::size_t i = 0;
+    for (auto& [id, keyframe] : state_.keyframes) {
+      const int storey = found.storey[i++];
+      storeys.emplace_hint(storeys.end(), id, storey);
+      if (storey == keyframe.storey) continue;
+      keyframe.storey = storey;
+      changed = true;
+      if (!state_.params.topological_layer || storey == stairwell || id == committer_.newest()) continue;  // the newest one is taken later
+      if (const CloudPtr points = keyframe.cloud.get()) state_.layer.add(id, *points, state_.planes.T_base_lidar, storey);
+    }
+    if (found.heights.size() > state_.storeys && state_.storeys > 0) {
+      state_.log.push_back({committer_.newest(), true, "storey/" + std::to_string(found.heights.size() - 1),
+                            "a floor " + std::to_string(found.heights.back() - found.heights.front()) + " m above the first"});
+    }
+    state_.storeys = found.heights.size();
+    if (changed) {
+      set_storeys(state_.planes, std::move(storeys));
+    } else {
+      state_.planes.storeys = std::move(storeys);
+    }
   }
 
   void optimize_all() {
@@ -282,8 +316,8 @@ class BackEnd::Implementation {
   }
 
   // What is too low or has been seen too rarely bounds no place.
-  [[nodiscard]] std::vector<Wall> counted_walls() const {
-    return state_.planes.map.walls(static_cast<std::size_t>(state_.params.topology.min_views), state_.params.topology.min_height);
+  [[nodiscard]] std::vector<Wall> counted_walls(int storey) const {
+    return state_.planes.map.walls(static_cast<std::size_t>(state_.params.topology.min_views), state_.params.topology.min_height, storey);
   }
 
   void update_frame() {
@@ -298,7 +332,8 @@ class BackEnd::Implementation {
   void visit(KeyframeId at) {
     if (!state_.params.merging.by_places) return;
     constexpr int again = 40;  // keyframes until a pair that was found apart is tried again, as in merge_duplicates
-    for (const PlanePair& pair : state_.layer.shown_at(counted_walls(), ground(*state_.graph.find(at)), at)) {
+    const int storey = state_.planes.storey_of(at);
+    for (const PlanePair& pair : state_.layer.shown_at(counted_walls(storey), ground(*state_.graph.find(at)), at, storey)) {
       const auto tested = state_.planes.tested_merges.find(pair);
       const bool lately = tested != state_.planes.tested_merges.end() && at.value - tested->second.value < again;
       if (!lately && state_.planes.refused_merges.count(pair) == 0) state_.pending_merges.insert(pair);
@@ -308,7 +343,8 @@ class BackEnd::Implementation {
   // The places of a map made earlier, from its walls and its keyframes' clouds.
   void take_up_places() {
     for (const auto& [id, keyframe] : state_.keyframes) {
-      if (const CloudPtr points = keyframe.cloud.get()) state_.layer.add(id, *points, state_.planes.T_base_lidar);
+      const CloudPtr points = keyframe.storey == stairwell ? nullptr : keyframe.cloud.get();
+      if (points) state_.layer.add(id, *points, state_.planes.T_base_lidar, keyframe.storey);
     }
     update_places(true);
   }
@@ -317,21 +353,36 @@ class BackEnd::Implementation {
     find_places(measure_all_doors);
     synchronise(committer_, state_.layer, state_.planes.map, state_.params.topology);
     add_wall_faces(committer_, state_.planes.map, state_.params.merging.max_angle, state_.params.topology);
-    state_.openings = find_openings(state_.layer.places(), whole_path());
+    state_.openings.clear();
+    for (const auto& [number, heights] : state_.layer.storeys()) {
+      for (SceneOpening& opening : find_openings(state_.layer.places(number), path_on_storey(number))) state_.openings.push_back(std::move(opening));
+    }
   }
 
   void find_places(bool measure_all_doors) {
-    std::vector<Eigen::Vector2d> path;
-    for (const Eigen::Vector3d& p : whole_path()) path.push_back(p.head<2>());
-    const std::vector<Wall> walls = counted_walls();
-    const StoreyHeights storey = find_storey(state_.graph, state_.planes.map);
-    state_.layer.find(state_.graph, {walls, path, storey, state_.planes.frame.yaw, committer_.newest(), measure_all_doors}, state_.log);
+    const std::size_t count = std::max<std::size_t>(1, state_.storeys);
+    std::vector<std::vector<Eigen::Vector2d>> paths(count);
+    std::vector<std::vector<Wall>> walls(count);
+    std::vector<Survey> surveys;
+    for (std::size_t k = 0; k < count; ++k) {
+      const int number = static_cast<int>(k);
+      for (const Eigen::Vector3d& p : path_on_storey(number)) paths[k].push_back(p.head<2>());
+      walls[k] = counted_walls(number);
+      std::map<KeyframeId, Pose> on_it;
+      for (const auto& [id, keyframe] : state_.keyframes) {
+        if (keyframe.storey == number) on_it.emplace_hint(on_it.end(), id, *state_.graph.find(id));
+      }
+      const StoreyHeights heights = find_storey(state_.graph, state_.planes.map, on_it, number);
+      surveys.push_back({walls[k], paths[k], heights, state_.planes.frame.yaw, committer_.newest(), measure_all_doors, number, std::move(on_it)});
+    }
+    state_.layer.find(state_.graph, surveys, state_.log);
   }
 
-  // Of the base, every scan.
-  [[nodiscard]] std::vector<Eigen::Vector3d> whole_path() const {
+  // Of the base, every scan taken on a storey.
+  [[nodiscard]] std::vector<Eigen::Vector3d> path_on_storey(int storey) const {
     std::vector<Eigen::Vector3d> path;
     for (const auto& [id, keyframe] : state_.keyframes) {
+      if (keyframe.storey != storey) continue;
       const Pose T_map_odom = *state_.graph.find(id) * keyframe.T_odom_base.inverse();
       for (const StampedPose& scan : *keyframe.scans) path.push_back((T_map_odom * scan.pose).translation);
       if (keyframe.scans->empty()) path.push_back(state_.graph.find(id)->translation);

@@ -17,13 +17,14 @@ void add_planes(const MapState& state, bool with_observations, GraphSnapshot& sn
     scene.covariance = covariance != state.plane_covariances.end() ? covariance->second : record.last_covariance;
     scene.extent = record.outline;
     scene.keyframes = record.keyframes;
+    scene.storey = record.storey;
     if (!with_observations) continue;
     for (const PlaneObservation& seen : record.observations) scene.observations.push_back({seen.keyframe, seen.outline_base});
   }
 }
 
 // A side that is mostly a gap is the door that lies in it, or an opening.
-std::vector<SceneSide> sides_of(const MapState& state, const FoundPlace& place) {
+std::vector<SceneSide> sides_of(const MapState& state, const FoundPlace& place, int storey) {
   std::vector<SceneSide> sides;
   const Polygon2d& polygon = place.outline.polygon;
   for (std::size_t i = 0; i < polygon.size(); ++i) {
@@ -33,7 +34,7 @@ std::vector<SceneSide> sides_of(const MapState& state, const FoundPlace& place) 
       side.kind = SceneSide::Kind::opening;
       for (const auto& [id, record] : state.layer.doors()) {
         const Polygon2d line{polygon[i], polygon[(i + 1) % polygon.size()]};
-        if (distance_to_outline(line, record.door.position) > 0.5) continue;
+        if (record.storey != storey || distance_to_outline(line, record.door.position) > 0.5) continue;
         side.kind = SceneSide::Kind::door;
         side.door = id;
       }
@@ -46,13 +47,18 @@ std::vector<SceneSide> sides_of(const MapState& state, const FoundPlace& place) 
   return sides;
 }
 
+StoreyHeights heights_of(const MapState& state, int storey) {
+  const auto known = state.layer.storeys().find(storey);
+  return known == state.layer.storeys().end() ? StoreyHeights{} : known->second;
+}
+
 double middle_height(const StoreyHeights& storey) { return storey.ceiling_seen ? 0.5 * (storey.floor + storey.ceiling) : storey.floor; }
 
 void add_room(const MapState& state, RoomId id, const PlaceRecord& record, GraphSnapshot& snapshot) {
   SceneRoom& scene = snapshot.rooms[id];
   scene.id = id;
   scene.polygon = record.place.outline.polygon;
-  scene.edges = sides_of(state, record.place);
+  scene.edges = sides_of(state, record.place, record.storey);
   scene.storey = record.storey;
   const Room* room = state.graph.find(id);
   if (record.place.kind == PlaceKind::room && room != nullptr) {
@@ -63,7 +69,7 @@ void add_room(const MapState& state, RoomId id, const PlaceRecord& record, Graph
     return;
   }
   const Eigen::Vector2d reference = record.place.reference_point();
-  scene.center = {reference.x(), reference.y(), room != nullptr ? room->z : middle_height(state.layer.storey())};
+  scene.center = {reference.x(), reference.y(), room != nullptr ? room->z : middle_height(heights_of(state, record.storey))};
   scene.yaw = record.place.area.yaw;
   for (const SceneSide& side : scene.edges) {
     if (side.kind == SceneSide::Kind::wall) scene.planes.push_back(side.plane);
@@ -83,16 +89,17 @@ void add_places(const MapState& state, GraphSnapshot& snapshot) {
     scene.length = record.place.area.size.x();
     scene.planes = {state.graph.representative(record.place.walls[0]), state.graph.representative(record.place.walls[1])};
     scene.polygon = record.place.outline.polygon;
-    scene.edges = sides_of(state, record.place);
+    scene.edges = sides_of(state, record.place, record.storey);
     scene.storey = record.storey;
   }
-  const StoreyHeights& storey = state.layer.storey();
   for (const auto& [id, record] : state.layer.doors()) {
     const FoundDoor& door = record.door;
-    snapshot.doors[id] = {id,       record.from, record.to,   {door.position.x(), door.position.y(), storey.floor},
+    snapshot.doors[id] = {id,       record.from, record.to,   {door.position.x(), door.position.y(), heights_of(state, record.storey).floor},
                           door.yaw, door.width,  door.height, record.storey};
   }
-  if (!state.layer.rooms().empty() || !state.layer.corridors().empty()) snapshot.storeys.push_back({0, storey.floor, storey.ceiling, true});
+  const bool several = state.layer.storeys().size() > 1;
+  if (!several && state.layer.rooms().empty() && state.layer.corridors().empty()) return;
+  for (const auto& [number, storey] : state.layer.storeys()) snapshot.storeys.push_back({number, storey.floor, storey.ceiling, true});
 }
 
 }  // namespace

@@ -47,7 +47,7 @@ std::vector<PlaneId> known_walls(const FoundPlace& place) {
   return walls;
 }
 
-double place_height(const Graph& graph, const PlaneMap& planes, const Eigen::Vector2d& center, const std::vector<PlaneId>& walls) {
+double place_height(const Graph& graph, const PlaneMap& planes, const Eigen::Vector2d& center, const std::vector<PlaneId>& walls, int storey) {
   std::optional<double> floor;
   std::optional<double> ceiling;
   double wall_sum = 0;
@@ -57,7 +57,7 @@ double place_height(const Graph& graph, const PlaneMap& planes, const Eigen::Vec
   }
   const double middle = walls.empty() ? 0 : wall_sum / static_cast<double>(walls.size());
   for (const auto& [id, record] : planes.records()) {
-    if (record.plane_class != PlaneClass::horizontal) continue;
+    if (record.plane_class != PlaneClass::horizontal || record.storey != storey) continue;
     const Plane& plane = *graph.find(id);
     const double z = -(plane.d + plane.normal.head<2>().dot(center)) / plane.normal.z();
     const Eigen::Vector3d foot(center.x(), center.y(), z);
@@ -114,6 +114,7 @@ void add_wall_faces(Committer& committer, const PlaneMap& planes, double max_ang
       if (!pair || pair->width > -0.03 || pair->width < -max_thickness || pair->common.length() < min_faces_overlap) continue;
       const PlaneRecord& a = *planes.find(walls[i].id);
       const PlaneRecord& b = *planes.find(walls[k].id);
+      if (a.storey != b.storey) continue;
       if (a.keyframes.size() < min_views || b.keyframes.size() < min_views) continue;
       const Eigen::Vector2d along(-pair->axis.y(), pair->axis.x());
       const Eigen::Vector2d at = pair->common.center() * along + 0.5 * (pair->s1 + pair->s2) * pair->axis;
@@ -141,10 +142,10 @@ void add_wall_faces(Committer& committer, const PlaneMap& planes, double max_ang
 void synchronise(Committer& committer, const TopologicalLayer& layer, const PlaneMap& planes, const TopologyParams& params) {
   PlaceHeights heights;
   for (const auto& [id, room] : layer.rooms()) {
-    heights.rooms[id] = place_height(committer.graph, planes, room.place.reference_point(), known_walls(room.place));
+    heights.rooms[id] = place_height(committer.graph, planes, room.place.reference_point(), known_walls(room.place), room.storey);
   }
   for (const auto& [id, corridor] : layer.corridors()) {
-    heights.corridors[id] = place_height(committer.graph, planes, corridor.place.reference_point(), known_walls(corridor.place));
+    heights.corridors[id] = place_height(committer.graph, planes, corridor.place.reference_point(), known_walls(corridor.place), corridor.storey);
   }
   const Transaction edit = synchronise_topology(committer.graph, layer, planes, heights, params);
   const bool empty =

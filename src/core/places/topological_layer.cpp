@@ -91,16 +91,18 @@ void add_pairs(const FoundPlace& place, const std::vector<Wall>& walls, Keyframe
 
 }  // namespace
 
-StoreyHeights find_storey(const Graph& graph, const PlaneMap& planes) {
+StoreyHeights find_storey(const Graph& graph, const PlaneMap& planes) { return find_storey(graph, planes, graph.keyframes(), 0); }
+
+StoreyHeights find_storey(const Graph& graph, const PlaneMap& planes, const std::map<KeyframeId, Pose>& keyframes, int number) {
   StoreyHeights storey;
   double base = 0;
-  for (const auto& [id, pose] : graph.keyframes()) base += pose.translation.z() / static_cast<double>(graph.keyframes().size());
+  for (const auto& [id, pose] : keyframes) base += pose.translation.z() / static_cast<double>(keyframes.size());
   double largest_floor = 0;
   double largest_ceiling = 0;
   double lowest = std::numeric_limits<double>::infinity();
   for (const auto& [id, record] : planes.records()) {
     const Plane* plane = graph.find(id);
-    if (plane == nullptr || record.outline.empty()) continue;
+    if (plane == nullptr || record.outline.empty() || record.storey != number) continue;
     Eigen::AlignedBox3d box;
     for (const Eigen::Vector3d& corner : record.outline) box.extend(corner);
     if (record.plane_class != PlaneClass::horizontal) {
@@ -126,11 +128,12 @@ StoreyHeights find_storey(const Graph& graph, const PlaneMap& planes) {
 
 std::string TopologicalLayer::name_of(const Known& known) { return (known.corridor ? "corridor/" : "room/") + std::to_string(known.id); }
 
-std::vector<PlanePair> TopologicalLayer::shown_at(const std::vector<Wall>& walls, const Eigen::Vector2d& position, KeyframeId now) const {
+std::vector<PlanePair> TopologicalLayer::shown_at(const std::vector<Wall>& walls, const Eigen::Vector2d& position, KeyframeId now, int storey) const {
   std::vector<PlanePair> pairs;
   const auto look = [&](const auto& records) {
     for (const auto& [id, record] : records) {
-      if (contains(record.place.outline.polygon, position)) add_pairs(record.place, walls, now, params_.topology.recent, params_.merging, pairs);
+      if (record.storey == storey && contains(record.place.outline.polygon, position))
+        add_pairs(record.place, walls, now, params_.topology.recent, params_.merging, pairs);
     }
   };
   look(rooms_);
@@ -138,7 +141,8 @@ std::vector<PlanePair> TopologicalLayer::shown_at(const std::vector<Wall>& walls
   return pairs;
 }
 
-std::vector<std::string> TopologicalLayer::give_names(Graph& graph, std::vector<FoundPlace> found, KeyframeId now, DecisionLog& log) {
+std::vector<std::string> TopologicalLayer::give_names(Graph& graph, std::vector<FoundPlace> found, const std::vector<int>& storeys, KeyframeId now,
+                                                      DecisionLog& log) {
   std::vector<Known> known;
   for (const auto& [id, record] : rooms_) known.push_back({false, id.value, record, false});
   for (const auto& [id, record] : corridors_) known.push_back({true, id.value, record, false});
@@ -151,6 +155,7 @@ std::vector<std::string> TopologicalLayer::give_names(Graph& graph, std::vector<
   std::vector<Match> matches;
   for (std::size_t k = 0; k < known.size(); ++k) {
     for (std::size_t f = 0; f < found.size(); ++f) {
+      if (known[k].record.storey != storeys[f]) continue;
       const Polygon2d& a = known[k].record.place.outline.polygon;
       const Polygon2d& b = found[f].outline.polygon;
       const double common = common_area(a, b);
@@ -178,7 +183,7 @@ std::vector<std::string> TopologicalLayer::give_names(Graph& graph, std::vector<
     const std::size_t k = known_of[f];
     const bool keeps = k != none && known[k].corridor == corridor;
     const std::int64_t id = keeps ? known[k].id : corridor ? graph.new_corridor_id().value : graph.new_room_id().value;
-    PlaceRecord record{std::move(found[f]), keeps ? known[k].record.since : now, 0};
+    PlaceRecord record{std::move(found[f]), keeps ? known[k].record.since : now, storeys[f]};
     names[f] = name_of({corridor, id, {}, false});
     std::string reason;
     if (!keeps) {
@@ -217,20 +222,20 @@ std::vector<std::string> TopologicalLayer::give_names(Graph& graph, std::vector<
   return names;
 }
 
-void TopologicalLayer::give_names_to_doors(const std::vector<FoundDoor>& found, const std::vector<std::string>& names, bool measure_all,
-                                           KeyframeId now, DecisionLog& log) {
+void TopologicalLayer::give_names_to_doors(const std::vector<FoundDoor>& found, const std::vector<std::string>& names,
+                                           const std::vector<int>& storeys, bool measure_all, KeyframeId now, DecisionLog& log) {
   std::map<DoorId, DoorRecord> doors;
   for (const FoundDoor& seen : found) {
-    DoorRecord record{seen, names[seen.places[0]], names[seen.places[1]], 0};
+    DoorRecord record{seen, names[seen.places[0]], names[seen.places[1]], storeys[seen.places[0]]};
     const auto known = std::find_if(doors_.begin(), doors_.end(), [&](const auto& entry) {
-      return doors.count(entry.first) == 0 && (entry.second.door.position - seen.position).norm() < same_door;
+      return doors.count(entry.first) == 0 && entry.second.storey == record.storey && (entry.second.door.position - seen.position).norm() < same_door;
     });
     const bool same = known != doors_.end() && std::abs(known->second.door.width - seen.width) < moved_door && !measure_all;
     if (same) {
       record.door.width = known->second.door.width;
       record.door.height = known->second.door.height;
     } else {
-      measure_door(space_, record.door);
+      measure_door(space_of(record.storey), record.door);
     }
     const DoorId id = known != doors_.end() ? known->first : DoorId{next_door_++};
     if (known == doors_.end()) {
@@ -246,25 +251,36 @@ void TopologicalLayer::give_names_to_doors(const std::vector<FoundDoor>& found, 
   doors_ = std::move(doors);
 }
 
-void TopologicalLayer::find(Graph& graph, const Survey& survey, DecisionLog& log) {
-  storey_ = survey.storey;
-  space_.update(graph.keyframes(), storey_.floor);
-  FoundPlaces found = find_places(space_, survey.walls, survey.path, survey.building_yaw, params_.places);
+void TopologicalLayer::find(Graph& graph, const std::vector<Survey>& surveys, DecisionLog& log) {
   std::vector<FoundPlace> places;
-  std::vector<std::size_t> number(found.places.size(), found.places.size());
+  std::vector<int> storeys;
+  std::vector<FoundDoor> doors;
+  storeys_.clear();
+  for (const Survey& survey : surveys) {
+    storeys_[survey.number] = survey.storey;
+    FreeSpace& space = space_of(survey.number);
+    space.update(survey.keyframes ? *survey.keyframes : graph.keyframes(), survey.storey.floor);
+    take(find_places(space, survey.walls, survey.path, survey.building_yaw, params_.places), places, doors);
+    storeys.resize(places.size(), survey.number);
+  }
+  const std::vector<std::string> names = give_names(graph, std::move(places), storeys, surveys.front().now, log);
+  give_names_to_doors(doors, names, storeys, surveys.front().measure_all_doors, surveys.front().now, log);
+}
+
+// Appends the places that are wanted, and the doors between them.
+void TopologicalLayer::take(FoundPlaces found, std::vector<FoundPlace>& places, std::vector<FoundDoor>& doors) const {
+  const std::size_t none = std::numeric_limits<std::size_t>::max();
+  std::vector<std::size_t> number(found.places.size(), none);
   for (std::size_t i = 0; i < found.places.size(); ++i) {
     const bool wanted = found.places[i].kind == PlaceKind::corridor ? params_.topology.corridors : params_.topology.rooms;
     if (!wanted) continue;
     number[i] = places.size();
     places.push_back(std::move(found.places[i]));
   }
-  std::vector<FoundDoor> doors;
   for (FoundDoor door : found.doors) {
     door.places = {number[door.places[0]], number[door.places[1]]};
-    if (door.places[0] < places.size() && door.places[1] < places.size()) doors.push_back(door);
+    if (door.places[0] != none && door.places[1] != none) doors.push_back(door);
   }
-  const std::vector<std::string> names = give_names(graph, std::move(places), survey.now, log);
-  give_names_to_doors(doors, names, survey.measure_all_doors, survey.now, log);
 }
 
 bool TopologicalLayer::covers(const Eigen::Vector2d& position) const {
@@ -272,10 +288,15 @@ bool TopologicalLayer::covers(const Eigen::Vector2d& position) const {
   return std::any_of(rooms_.begin(), rooms_.end(), inside) || std::any_of(corridors_.begin(), corridors_.end(), inside);
 }
 
-std::vector<Place> TopologicalLayer::places() const {
+std::vector<Place> TopologicalLayer::places(int storey) const {
   std::vector<Place> places;
-  for (const auto& [id, record] : rooms_) places.push_back({"room/" + std::to_string(id.value), record.place.outline.polygon});
-  for (const auto& [id, record] : corridors_) places.push_back({"corridor/" + std::to_string(id.value), record.place.outline.polygon});
+  const auto add = [&](const char* kind, const auto& records) {
+    for (const auto& [id, record] : records) {
+      if (record.storey == storey) places.push_back({kind + std::to_string(id.value), record.place.outline.polygon});
+    }
+  };
+  add("room/", rooms_);
+  add("corridor/", corridors_);
   return places;
 }
 

@@ -31,12 +31,13 @@ FactorData observation(const PlaneLayer& planes, KeyframeId keyframe, PlaneId pl
 // The planes that the segment may be of, by where it is. On the plane they are `extent_margin` apart at most; off it the segment reaches as far as
 // its centroid may be off and its length at the largest angle.
 std::vector<PlaneCandidate> candidates_of(const Graph& graph, const PlaneMap& planes, const Pose& T_map_lidar, const PlaneSegment& segment,
-                                          const AssociationParams& params) {
+                                          int storey, const AssociationParams& params) {
   Eigen::AlignedBox3d box;
   for (const Eigen::Vector3d& corner : segment.extent) box.extend(T_map_lidar * corner);
   const double off = params.max_distance + std::sin(params.max_angle) * box.diagonal().norm() + PlaneMap::stale;
   std::vector<PlaneCandidate> candidates;
   for (const PlaneId id : planes.index().near(box, std::hypot(params.extent_margin, off))) {
+    if (planes.find(id)->storey != storey) continue;
     if (const Plane* plane = graph.find(id)) candidates.push_back({id, *plane, &planes.find(id)->outline});
   }
   return candidates;
@@ -90,6 +91,7 @@ AssociationResult add_observations(Committer& committer, PlaneLayer& planes, con
   const Graph& graph = committer.graph;
   const AssociationParams& params = planes.params.association;
   const Pose T_map_base = *graph.find(now);
+  const int storey = planes.storey_of(now);
   const PlaneUncertainty uncertainty(graph, planes.map, planes.drift, planes.marginals, now);
   const auto predicted = [&uncertainty](PlaneId id, const Innovation& innovation) { return uncertainty(id, innovation); };
 
@@ -102,7 +104,7 @@ AssociationResult add_observations(Committer& committer, PlaneLayer& planes, con
       ++result.ignored;
       continue;
     }
-    const std::vector<PlaneCandidate> candidates = candidates_of(graph, planes.map, T_map_base * planes.T_base_lidar, view.segment, params);
+    const std::vector<PlaneCandidate> candidates = candidates_of(graph, planes.map, T_map_base * planes.T_base_lidar, view.segment, storey, params);
     view.matches = associate(view.segment, T_map_base, planes.T_base_lidar, candidates, predicted, params);
     view.unsure = side_is_unsure(view.segment, origins);
     if (view.unsure) {
@@ -144,6 +146,7 @@ AssociationResult add_observations(Committer& committer, PlaneLayer& planes, con
         floored_covariance(segment, planes.params.factors.plane_floor_angle, planes.params.factors.plane_floor_distance);
     planes.map.observe(graph, views[i].plane, now, applied.factors[i], segment.extent, planes.T_base_lidar, segment.plane, covariance);
     planes.map.reclassify(graph, views[i].plane, planes.frame);
+    if (planes.map.find(views[i].plane)->observations.size() == 1) planes.map.set_storey(views[i].plane, storey);
     result.seen.insert(views[i].plane);
     result.planes[views[i].index] = views[i].plane;
   }

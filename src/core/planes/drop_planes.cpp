@@ -21,6 +21,7 @@ bool is_ghost(const Graph& graph, const PlaneLayer& planes, const PlaneRecord& r
   const double gap = params.ghost_distance + std::sin(params.max_angle) * record.box().diagonal().norm() + PlaneMap::stale;
   for (const PlaneId id : planes.map.index().near(record.box(), gap)) {
     const PlaneRecord& other = *planes.map.find(id);
+    if (other.storey != record.storey) continue;
     if (other.keyframes.size() < known_better * record.keyframes.size()) continue;
     const Plane& wall = *graph.find(id);
     const double cosine = wall.normal.dot(plane.normal);
@@ -43,12 +44,15 @@ bool is_walked_through(const PlaneRecord& record, const GroundPath& path) {
 
 int drop_passing_planes(Committer& committer, PlaneLayer& planes, bool all) {
   const AssociationParams& params = planes.params.association;
-  const GroundPath path(committer.graph);
+  std::map<int, GroundPath> paths;
+  for (const auto& [id, record] : planes.map.records()) {
+    if (paths.count(record.storey) == 0) paths.emplace(record.storey, path_on(committer.graph, planes, record.storey));
+  }
   Transaction edit;
   edit.reason = "planes seen in passing";
   std::vector<PlaneId> passing;
   for (const auto& [id, record] : planes.map.records()) {
-    if (record.keyframes.size() <= few_views && is_walked_through(record, path)) {
+    if (record.keyframes.size() <= few_views && is_walked_through(record, paths.at(record.storey))) {
       edit.remove_variables.emplace_back(id);
       passing.push_back(id);
       committer.note(false, "plane/" + std::to_string(id.value), "dropped: the robot has walked through it");

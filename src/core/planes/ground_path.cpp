@@ -29,8 +29,16 @@ std::vector<Eigen::Vector2d> positions(const Graph& graph) {
 
 GroundPath::GroundPath(const Graph& graph) : GroundPath(positions(graph)) {}
 
-GroundPath::GroundPath(std::vector<Eigen::Vector2d> points) : points_(std::move(points)) {
-  for (std::size_t i = 1; i < points_.size(); ++i) {
+GroundPath::GroundPath(std::vector<Eigen::Vector2d> points) { add(points); }
+
+GroundPath::GroundPath(const std::vector<std::vector<Eigen::Vector2d>>& stretches) {
+  for (const auto& stretch : stretches) add(stretch);
+}
+
+void GroundPath::add(const std::vector<Eigen::Vector2d>& stretch) {
+  const std::size_t first = points_.size();
+  points_.insert(points_.end(), stretch.begin(), stretch.end());
+  for (std::size_t i = first + 1; i < points_.size(); ++i) {
     visit_cells(points_[i - 1], points_[i], [&](const Cell& cell) { cells_[cell].push_back(i); });
   }
 }

@@ -63,6 +63,7 @@ std::vector<PlanePair> merge_candidates(const Graph& graph, const PlaneMap& plan
     for (const PlaneId id_b : within_reach(planes.index(), a, params, margin)) {
       if (!(id_a < id_b)) continue;
       const PlaneRecord& b = *planes.find(id_b);
+      if (a.storey != b.storey) continue;
       const Plane* plane_b = graph.find(id_b);
       if (!plane_b || plane_a->normal.dot(plane_b->normal) < limit) continue;
       const Eigen::Vector3d point = common_point(a, b);

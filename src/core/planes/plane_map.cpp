@@ -205,9 +205,15 @@ const PlaneRecord* PlaneMap::find(PlaneId id) const {
   return found == records_.end() ? nullptr : &found->second;
 }
 
-std::vector<Wall> PlaneMap::walls(std::size_t min_views, double min_height) const {
+void PlaneMap::set_storey(PlaneId id, int storey) {
+  const auto record = records_.find(id);
+  if (record != records_.end()) record->second.storey = storey;
+}
+
+std::vector<Wall> PlaneMap::walls(std::size_t min_views, double min_height, std::optional<int> storey) const {
   std::vector<Wall> walls;
   for (const auto& [id, record] : records_) {
+    if (storey && record.storey != *storey) continue;
     if (record.wall && record.keyframes.size() >= min_views && record.wall->height >= min_height) walls.push_back(*record.wall);
   }
   return walls;

@@ -48,6 +48,19 @@ std::string scene_text(const GraphSnapshot& snapshot) {
   return graph_json(scene);
 }
 
+// Who isn't on the first storey; empty for a map that has one.
+std::string storeys_text(const GraphSnapshot& snapshot) {
+  const auto others = [](const auto& map) {
+    nlohmann::json pairs = nlohmann::json::array();
+    for (const auto& [id, value] : map) {
+      if (value.storey != 0) pairs.push_back({id.value, value.storey});
+    }
+    return pairs;
+  };
+  const nlohmann::json storeys = {{"keyframes", others(snapshot.keyframes)}, {"planes", others(snapshot.planes)}};
+  return storeys["keyframes"].empty() && storeys["planes"].empty() ? std::string() : storeys.dump();
+}
+
 }  // namespace
 
 MapRecorder::MapRecorder(MapStore& store, const StoredMap& known)
@@ -133,6 +146,8 @@ void MapRecorder::note_documents(const MapView& view, bool whole, StoreBatch& ba
   };
   put("next_ids", nlohmann::json(next_ids(view.graph)).dump());
   if (whole) put("scene", scene_text(view.snapshot));
+  const std::string storeys = whole ? storeys_text(view.snapshot) : std::string();
+  if (!storeys.empty()) put("storeys", storeys);
 }
 
 }  // namespace sgraph

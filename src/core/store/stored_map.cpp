@@ -115,6 +115,22 @@ void read_clouds(Database& database, StoredMap& map) {
   }
 }
 
+// Which storeys keyframes and planes are on; damaged, all are on the first.
+void read_storeys(const std::string& text, StoredMap& map) {
+  std::map<KeyframeId, int> keyframes;
+  std::map<PlaneId, int> planes;
+  try {
+    const nlohmann::json storeys = nlohmann::json::parse(text);
+    for (const auto& pair : storeys.at("keyframes")) keyframes[{pair.at(0).get<std::int64_t>()}] = pair.at(1).get<int>();
+    for (const auto& pair : storeys.at("planes")) planes[{pair.at(0).get<std::int64_t>()}] = pair.at(1).get<int>();
+  } catch (const std::exception& error) {
+    map.faults.push_back(std::string("the storeys cannot be read: ") + error.what());
+    return;
+  }
+  map.keyframe_storeys = std::move(keyframes);
+  map.plane_storeys = std::move(planes);
+}
+
 // The text of the places; empty when it is damaged: they can be found again from the rest.
 std::string readable_scene(std::string text, std::vector<std::string>& faults) {
   try {
@@ -161,6 +177,7 @@ StoredMap read_map(const std::string& path, Clouds clouds) {
   });
   each(database, "documents", "SELECT name, value FROM documents ORDER BY name", [&](const Statement& row) {
     if (row.text(0) == "scene") map.scene = readable_scene(row.text(1), map.faults);
+    if (row.text(0) == "storeys") read_storeys(row.text(1), map);
     if (row.text(0) == "next_ids") map.next_ids = nlohmann::json::parse(row.text(1)).get<std::array<std::int64_t, 4>>();
   });
   if (clouds == Clouds::all) read_clouds(database, map);
@@ -174,6 +191,8 @@ GraphSnapshot snapshot_of(const StoredMap& map) {
     const auto pose = map.poses.find(id);
     if (pose == map.poses.end()) continue;
     snapshot.keyframes[id] = {id, keyframe.stamp, pose->second, keyframe.T_odom_base, keyframe.scans, keyframe.cloud};
+    const auto storey = map.keyframe_storeys.find(id);
+    if (storey != map.keyframe_storeys.end()) snapshot.keyframes[id].storey = storey->second;
   }
   const auto views = views_by_plane(map);
   for (const auto& [id, plane] : map.planes) {
@@ -183,6 +202,8 @@ GraphSnapshot snapshot_of(const StoredMap& map) {
     scene.plane_class = plane.plane_class;
     scene.covariance = plane.covariance;
     scene.extent = plane.extent;
+    const auto storey = map.plane_storeys.find(id);
+    if (storey != map.plane_storeys.end()) scene.storey = storey->second;
     const auto seen = views.find(id);
     if (seen == views.end()) continue;
     for (const StoredView* view : seen->second) {

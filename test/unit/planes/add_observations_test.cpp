@@ -5,6 +5,8 @@
 #include <cmath>
 
 #include "sgraph_slam/core/planes/association.hpp"
+#include "sgraph_slam/core/planes/merging.hpp"
+#include "sgraph_slam/core/types/storey.hpp"
 #include "support/mapped_building.hpp"
 
 namespace sgraph {
@@ -62,6 +64,61 @@ TEST(AddObservations, SaysWhichPlaneEachSegmentWasTakenFor) {
   const AssociationResult seen = add_observations(committer, planes, keyframe, turned);
   ASSERT_EQ(seen.planes.size(), 1U);
   EXPECT_EQ(seen.planes[0], PlaneId{0});
+}
+
+// Two floors that look alike: the same wall in the same place but for the storey.
+TEST(AddObservations, TakesNothingOfAnotherStoreyForKnown) {
+  Graph graph;
+  DecisionLog log;
+  Committer committer{graph, log};
+  PlaneLayer planes({}, {});
+  PlaneSegments segments;
+  segments.segments = {wall(0, 3, 4)};
+  const auto see = [&](std::int64_t k, int storey) {
+    Keyframe keyframe;
+    keyframe.id = {k};
+    Transaction edit;
+    edit.keyframes[keyframe.id] = {};
+    if (k > 0) add_factor(edit, Se3Between{{k - 1}, {k}, Pose{}, SqrtInformation<6>::from_std_dev(Vector6::Constant(0.01))});
+    EXPECT_TRUE(committer.commit(edit).ok());
+    planes.drift.add(keyframe.id, {}, 1e-4 * Matrix6::Identity());
+    planes.storeys[keyframe.id] = storey;
+    return add_observations(committer, planes, keyframe, segments).planes.at(0);
+  };
+  EXPECT_EQ(see(0, 0), PlaneId{0});
+  EXPECT_EQ(see(1, 1), PlaneId{1});
+  EXPECT_EQ(see(2, 0), PlaneId{0});
+  EXPECT_EQ(see(3, stairwell), PlaneId{2});
+  EXPECT_EQ(see(4, stairwell), PlaneId{2});
+  EXPECT_EQ(planes.map.find({1})->storey, 1);
+  EXPECT_TRUE(merge_candidates(graph, planes.map, planes.params.merging, 1.0).empty());
+  // What was taken for the stairwell was a storey already.
+  std::map<KeyframeId, int> storeys = planes.storeys;
+  storeys[{3}] = storeys[{4}] = 2;
+  set_storeys(planes, storeys);
+  EXPECT_EQ(planes.map.find({2})->storey, 2);
+  EXPECT_EQ(planes.map.find({0})->storey, 0);
+}
+
+TEST(PathOn, JoinsNoTwoVisitsToAStorey) {
+  Graph graph;
+  DecisionLog log;
+  Committer committer{graph, log};
+  PlaneLayer planes({}, {});
+  const std::vector<double> x{0, 1, 2, 8, 9};
+  for (std::size_t k = 0; k < x.size(); ++k) {
+    const KeyframeId id{static_cast<std::int64_t>(k)};
+    Transaction edit;
+    edit.keyframes[id] = Pose{Eigen::Quaterniond::Identity(), {x[k], 0, 0}};
+    if (k > 0) add_factor(edit, Se3Between{{id.value - 1}, id, Pose{}, SqrtInformation<6>::from_std_dev(Vector6::Constant(0.01))});
+    ASSERT_TRUE(committer.commit(edit).ok());
+    planes.storeys[id] = k == 2 ? 1 : 0;
+  }
+  const GroundPath path = path_on(graph, planes, 0);
+  ASSERT_EQ(path.points().size(), 4U);
+  EXPECT_FALSE(path.steps_near({0.5, -1}, {0.5, 1}).empty());
+  EXPECT_TRUE(path.steps_near({4.5, -1}, {4.5, 1}).empty());  // between the first visit and the second
+  EXPECT_FALSE(path.steps_near({8.5, -1}, {8.5, 1}).empty());
 }
 
 }  // namespace

@@ -8,6 +8,7 @@
 #include "sgraph_slam/core/eval/map_error.hpp"
 #include "sgraph_slam/core/eval/place_error.hpp"
 #include "sgraph_slam/core/eval/place_quality.hpp"
+#include "sgraph_slam/core/eval/storey_score.hpp"
 #include "sgraph_slam/core/eval/trajectory_error.hpp"
 #include "sgraph_slam/core/eval/wall_error.hpp"
 
@@ -49,6 +50,7 @@ struct Evaluation {
   std::optional<PlaceScore> corridors;
   std::optional<PlaceQuality> places;
   std::optional<DoorQuality> doors;
+  std::optional<StoreyScore> storeys;  ///< of buildings with several
   std::optional<WallScore> walls;
   std::optional<AssociationScore> associations;
   std::optional<AssociationLoss> association_loss;

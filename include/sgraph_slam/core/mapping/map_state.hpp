@@ -44,6 +44,7 @@ struct MapState {
   TopologicalLayer layer;
   LoopCloser loops;
   std::vector<SceneOpening> openings;
+  std::size_t storeys = 0;                               ///< how many have been found
   std::map<PlaneId, Eigen::Matrix3d> plane_covariances;  ///< as of the last optimisation on demand
   DecisionLog log;
   Pose T_map_odom;  ///< of the session that is going on

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -36,17 +37,21 @@ struct StoreyHeights {
   bool ceiling_seen = false;
 };
 
-/// The largest horizontal planes below and above the keyframes; without a floor, the lowest point of the walls.
+/// The largest horizontal planes of a storey below and above its keyframes; without a floor, the lowest point of the walls.
+StoreyHeights find_storey(const Graph& graph, const PlaneMap& planes, const std::map<KeyframeId, Pose>& keyframes, int number);
+/// Of a map that has one storey.
 StoreyHeights find_storey(const Graph& graph, const PlaneMap& planes);
 
-/// What the layer looks at.
+/// What the layer looks at: one storey.
 struct Survey {
   const std::vector<Wall>& walls;
   const std::vector<Eigen::Vector2d>& path;  ///< of the base, every scan, map frame
   StoreyHeights storey;
   double building_yaw = 0;
   KeyframeId now;
-  bool measure_all_doors = false;  ///< the known ones too
+  bool measure_all_doors = false;                                      ///< the known ones too
+  int number = 0;                                                      ///< of the storey
+  std::optional<std::map<KeyframeId, Pose>> keyframes = std::nullopt;  ///< on it; none given: all
 };
 
 /// What the layer is told of: its own parameters, and when two planes may be one wall.
@@ -61,16 +66,19 @@ struct PlaceLayerParams {
 /// robot began; knows them again, so that they keep their ids while they grow, split and join. Decides on shapes only; estimates are the graph's.
 class TopologicalLayer {
  public:
-  explicit TopologicalLayer(const PlaceLayerParams& params) : params_(params), space_(params.free_space) {}
+  explicit TopologicalLayer(const PlaceLayerParams& params) : params_(params) {}
 
-  /// Takes the rays of a keyframe's cloud.
-  void add(KeyframeId id, const Cloud& cloud, const Pose& T_base_lidar) { space_.add(id, cloud, T_base_lidar); }
+  /// Takes the rays of a keyframe's cloud, which was taken on a storey.
+  void add(KeyframeId id, const Cloud& cloud, const Pose& T_base_lidar, int storey = 0) { space_of(storey).add(id, cloud, T_base_lidar); }
 
   /// Planes seen lately that lie along the sides of the place around a position, and the planes that these sides have: they may be one wall.
-  [[nodiscard]] std::vector<PlanePair> shown_at(const std::vector<Wall>& walls, const Eigen::Vector2d& position, KeyframeId now) const;
+  [[nodiscard]] std::vector<PlanePair> shown_at(const std::vector<Wall>& walls, const Eigen::Vector2d& position, KeyframeId now,
+                                                int storey = 0) const;
 
   /// Finds all places as walls and poses are now. `graph` gives poses and fresh ids.
-  void find(Graph& graph, const Survey& survey, DecisionLog& log);
+  void find(Graph& graph, const Survey& survey, DecisionLog& log) { find(graph, std::vector<Survey>{survey}, log); }
+  /// Of several storeys, at least one.
+  void find(Graph& graph, const std::vector<Survey>& surveys, DecisionLog& log);
 
   /// Room, hall or corridor at a position.
   [[nodiscard]] bool covers(const Eigen::Vector2d& position) const;
@@ -78,9 +86,10 @@ class TopologicalLayer {
   [[nodiscard]] const std::map<RoomId, PlaceRecord>& rooms() const { return rooms_; }
   [[nodiscard]] const std::map<CorridorId, PlaceRecord>& corridors() const { return corridors_; }
   [[nodiscard]] const std::map<DoorId, DoorRecord>& doors() const { return doors_; }
-  [[nodiscard]] const StoreyHeights& storey() const { return storey_; }
+  /// The storeys looked at last, by number.
+  [[nodiscard]] const std::map<int, StoreyHeights>& storeys() const { return storeys_; }
   /// Rooms, then corridors, by id.
-  [[nodiscard]] std::vector<Place> places() const;
+  [[nodiscard]] std::vector<Place> places(int storey = 0) const;
 
  private:
   // A place under its name, while names are given anew.
@@ -91,13 +100,15 @@ class TopologicalLayer {
     bool lost = false;  // not found the last times
   };
   static std::string name_of(const Known& known);
-  std::vector<std::string> give_names(Graph& graph, std::vector<FoundPlace> found, KeyframeId now, DecisionLog& log);
-  void give_names_to_doors(const std::vector<FoundDoor>& found, const std::vector<std::string>& names, bool measure_all, KeyframeId now,
-                           DecisionLog& log);
+  std::vector<std::string> give_names(Graph& graph, std::vector<FoundPlace> found, const std::vector<int>& storeys, KeyframeId now, DecisionLog& log);
+  void give_names_to_doors(const std::vector<FoundDoor>& found, const std::vector<std::string>& names, const std::vector<int>& storeys,
+                           bool measure_all, KeyframeId now, DecisionLog& log);
+  void take(FoundPlaces found, std::vector<FoundPlace>& places, std::vector<FoundDoor>& doors) const;
+  FreeSpace& space_of(int storey) { return spaces_.emplace(storey, params_.free_space).first->second; }
 
   PlaceLayerParams params_;
-  FreeSpace space_;
-  StoreyHeights storey_;
+  std::map<int, FreeSpace> spaces_;
+  std::map<int, StoreyHeights> storeys_;
   std::map<RoomId, PlaceRecord> rooms_;
   std::map<CorridorId, PlaceRecord> corridors_;
   std::vector<Known> lost_;  // they keep their names for when they are found again

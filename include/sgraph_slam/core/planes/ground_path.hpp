@@ -15,6 +15,8 @@ namespace sgraph {
 class GroundPath {
  public:
   explicit GroundPath(std::vector<Eigen::Vector2d> points);
+  /// Several stretches; nobody walked from one to the next.
+  explicit GroundPath(const std::vector<std::vector<Eigen::Vector2d>>& stretches);
   /// The positions of the keyframes, in order.
   explicit GroundPath(const Graph& graph);
 
@@ -25,6 +27,8 @@ class GroundPath {
 
  private:
   using Cell = std::pair<std::int64_t, std::int64_t>;
+
+  void add(const std::vector<Eigen::Vector2d>& stretch);
 
   std::vector<Eigen::Vector2d> points_;
   std::map<Cell, std::vector<std::size_t>> cells_;

@@ -6,6 +6,7 @@
 #include "sgraph_slam/core/graph/marginals_cache.hpp"
 #include "sgraph_slam/core/graph/odometry_drift.hpp"
 #include "sgraph_slam/core/planes/dominant_frame.hpp"
+#include "sgraph_slam/core/planes/ground_path.hpp"
 #include "sgraph_slam/core/planes/merging.hpp"
 #include "sgraph_slam/core/planes/params.hpp"
 #include "sgraph_slam/core/planes/plane_map.hpp"
@@ -32,6 +33,18 @@ struct PlaneLayer {
   DominantFrame frame;                            ///< of the building
   std::map<PlanePair, KeyframeId> tested_merges;  ///< beyond their gate, and when that was found
   std::set<PlanePair> refused_merges;             ///< merged once and undone
+  std::map<KeyframeId, int> storeys;              ///< of the keyframes; those that aren't here are on the first
+
+  [[nodiscard]] int storey_of(KeyframeId id) const {
+    const auto known = storeys.find(id);
+    return known == storeys.end() ? 0 : known->second;
+  }
 };
+
+/// Takes over on which storeys the keyframes are, and puts each plane on the one from which it was seen most; the lower number when there are two.
+void set_storeys(PlaneLayer& planes, std::map<KeyframeId, int> storeys);
+
+/// The robot's path on a storey.
+GroundPath path_on(const Graph& graph, const PlaneLayer& planes, int storey);
 
 }  // namespace sgraph

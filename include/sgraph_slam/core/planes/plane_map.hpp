@@ -29,6 +29,7 @@ struct PlaneRecord {
   std::vector<PlaneObservation> observations;  ///< in order of arrival
   KeyframeSet keyframes;
   KeyframeId last_seen;
+  int storey = 0;                                             ///< from which it was seen, or `stairwell`
   Outline outline;                                            ///< all that has been seen of it, map frame
   Eigen::Matrix3d last_covariance = Eigen::Matrix3d::Zero();  ///< of the newest view given its keyframe; tangent of the plane in the map [rad, m]
   std::optional<Wall> wall;                                   ///< when it is vertical
@@ -65,6 +66,7 @@ class PlaneMap {
 
   void merge(const Graph& graph, PlaneId kept, PlaneId merged);
   void erase(PlaneId id);
+  void set_storey(PlaneId id, int storey);
   void undo_merge(const Graph& graph, PlaneId kept, PlaneId merged);
 
   /// Takes up the records of a map made earlier: class, observations and last_covariance of each plane, and of those merged away. The rest follows.
@@ -74,8 +76,8 @@ class PlaneMap {
   [[nodiscard]] const PlaneRecord* find(PlaneId id) const;
   /// Where the planes are.
   [[nodiscard]] const PlaneIndex& index() const { return index_; }
-  /// The walls that at least this many keyframes have seen and that are at least this high [m], by id.
-  [[nodiscard]] std::vector<Wall> walls(std::size_t min_views = 1, double min_height = 0) const;
+  /// The walls that at least this many keyframes have seen and that are at least this high [m], by id; of one storey when it is given.
+  [[nodiscard]] std::vector<Wall> walls(std::size_t min_views = 1, double min_height = 0, std::optional<int> storey = std::nullopt) const;
 
  private:
   void rebuild(const Graph& graph, PlaneRecord& record);

@@ -21,8 +21,10 @@ struct StoredMap {
   std::map<PlaneId, MergeRecord> merges;
   std::array<std::int64_t, 4> next_ids{};  ///< as GraphParts::next
   DecisionLog decisions;
-  std::string scene;                ///< text of graph.json without what the other members hold
-  std::vector<std::string> faults;  ///< what could not be read: a damaged cloud
+  std::map<KeyframeId, int> keyframe_storeys;  ///< where it isn't the first
+  std::map<PlaneId, int> plane_storeys;        ///< likewise
+  std::string scene;                           ///< text of graph.json without what the other members hold
+  std::vector<std::string> faults;             ///< what could not be read: a damaged cloud
 };
 
 enum class Clouds { none, all };

@@ -15,6 +15,7 @@
 #include "sgraph_slam/core/types/plane.hpp"
 #include "sgraph_slam/core/types/pose.hpp"
 #include "sgraph_slam/core/types/shared.hpp"
+#include "sgraph_slam/core/types/storey.hpp"
 
 namespace sgraph {
 
@@ -26,6 +27,7 @@ struct SceneKeyframe {
   Pose T_odom_base;          ///< as the odometry gave it
   Shared<Trajectory> scans;  ///< final base poses in odom of the scans since the last keyframe
   KeyframeCloud cloud;       ///< LiDAR frame
+  int storey = 0;            ///< or `stairwell`
 };
 
 /// One view of a plane from one keyframe.
@@ -43,6 +45,7 @@ struct ScenePlane {
   std::vector<Eigen::Vector3d> extent;                   ///< convex outline on the plane, map frame
   KeyframeSet keyframes;                                 ///< that saw it
   std::vector<SceneObservation> observations{};          ///< after an optimisation on demand; else empty
+  int storey = 0;                                        ///< from which it was seen, or `stairwell`
 };
 
 using DoorId = Id<struct DoorKind>;
