@@ -85,6 +85,7 @@ std::vector<std::optional<std::size_t>> true_lines(const std::vector<AssociatedP
   for (const WallMatch& match : walls.matches) {
     on_faces.insert(match.plane);
     on_faces.insert(match.more.begin(), match.more.end());
+    on_faces.insert(match.from_other_storeys.begin(), match.from_other_storeys.end());
   }
   std::vector<std::optional<std::size_t>> found;
   for (const AssociatedPlane& o : observations) {
@@ -104,6 +105,7 @@ AssociationScore score_associations(const std::vector<AssociatedPlane>& observat
   std::set<std::int64_t> duplicates;
   for (const WallMatch& match : walls.matches) {
     main.insert(match.plane);
+    main.insert(match.from_other_storeys.begin(), match.from_other_storeys.end());
     duplicates.insert(match.more.begin(), match.more.end());
   }
   std::map<std::int64_t, std::map<std::size_t, int>> votes;

@@ -25,6 +25,7 @@ struct Placed {  // a mapped plane in the frame of the truth
   std::vector<Eigen::Vector2d> outline;
   double low;  // z of its outline [m]
   double high;
+  int storey = 0;
 };
 
 struct Stretch {  // along a face, from its begin [m]
@@ -129,7 +130,7 @@ std::vector<Placed> vertical_planes(const std::vector<ScenePlane>& planes, const
   for (const ScenePlane& p : planes) {
     const Plane plane = T_truth_map * p.plane;
     if (std::abs(plane.normal.z()) > steepest) continue;
-    Placed one{p.id.value, plane, {}, std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity()};
+    Placed one{p.id.value, plane, {}, std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity(), p.storey};
     for (const Eigen::Vector3d& corner : p.extent) {
       const Eigen::Vector3d at = T_truth_map * corner;
       one.outline.emplace_back(at.head<2>());
@@ -176,7 +177,11 @@ WallScore score_walls(const std::vector<ScenePlane>& planes, const Pose& T_truth
     WallMatch match;
     match.face = f;
     match.plane = best.id;
-    for (std::size_t i = 1; i < fits.size(); ++i) match.more.push_back(placed[fits[i].plane].id);
+    std::set<int> storeys{best.storey};
+    for (std::size_t i = 1; i < fits.size(); ++i) {
+      const Placed& other = placed[fits[i].plane];
+      (storeys.insert(other.storey).second ? match.from_other_storeys : match.more).push_back(other.id);
+    }
     match.normal_error = angle_between(best.plane.normal, {faces[f].normal.x(), faces[f].normal.y(), 0});
     match.position_error = std::abs(distance_at(best.plane, faces[f], 0.5 * (faces[f].seen_begin + faces[f].seen_end)));
     score.duplicates += static_cast<int>(match.more.size());
@@ -184,7 +189,8 @@ WallScore score_walls(const std::vector<ScenePlane>& planes, const Pose& T_truth
   }
   for (std::size_t p = 0; p < placed.size(); ++p) {
     if (on_a_face.count(p)) continue;
-    const Placed turned{placed[p].id, {-placed[p].plane.normal, -placed[p].plane.d}, placed[p].outline, placed[p].low, placed[p].high};
+    const Placed turned{placed[p].id,    {-placed[p].plane.normal, -placed[p].plane.d}, placed[p].outline, placed[p].low, placed[p].high,
+                        placed[p].storey};
     const bool reversed = std::any_of(faces.begin(), faces.end(), [&](const WallFace& face) { return fit_of(turned, face, {}).has_value(); });
     (reversed ? score.reversed_planes : score.other_planes).push_back(placed[p].id);
   }

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <map>
+#include <memory>
 #include <random>
 
 #include "sgraph_slam/core/math/se3.hpp"
@@ -58,6 +59,27 @@ TEST(Odometry, FollowsAWalkingRobotToMillimetres) {
   ASSERT_EQ(run.finals.size(), scans.scans.size());
   for (std::size_t i = 0; i < scans.scans.size(); ++i) EXPECT_EQ(run.finals[i].stamp, scans.scans[i]->stamp);
   EXPECT_GT(run.keyframes.size(), 5U);
+}
+
+// On the landing hardly a point lies on a floor or a step, and on the first step of the second flight the sensor tips by 30 degrees at once.
+TEST(Odometry, ClimbsTwoFlightsWithALandingBetween) {
+  sim::World world = sim::read_world("worlds/stairs.yaml");
+  std::vector<sim::Waypoint>& way = world.route.waypoints;
+  way = {way.begin() + 7, way.begin() + 20};  // from the ground floor's hall to that above
+  world.route.stand = 1;
+  const Prefilter prefilter({});
+  std::unique_ptr<Odometry> odometry;
+  Outcome run;
+  Trajectory truth;
+  for (int first = 0; first < 460; first += 46) {  // a piece of it in memory at a time
+    const sim::SimulatedScans scans = sim::simulate_scans(world, 46, {}, first);
+    if (!odometry) odometry = std::make_unique<Odometry>(OdometryParams{}, scans.T_base_lidar);
+    for (const CloudPtr& scan : scans.scans) take(run, odometry->process(prefilter.process(*scan).cloud));
+    truth.insert(truth.end(), scans.truth.begin(), scans.truth.end());
+  }
+  take(run, odometry->finish());
+  EXPECT_GT(run.finals.back().pose.translation.z(), 3.0);
+  EXPECT_LT(ate(run.finals, truth), 0.028);  // 0.016 is measured; it was 0.037 before scans of narrow places were treated apart
 }
 
 TEST(Odometry, BothStampConventionsGiveTheSameMotion) {

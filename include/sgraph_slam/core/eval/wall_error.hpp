@@ -10,11 +10,12 @@
 namespace sgraph {
 
 struct WallMatch {
-  std::size_t face = 0;            ///< index in the list of faces
-  std::int64_t plane = -1;         ///< id of the plane with the longest common stretch
-  std::vector<std::int64_t> more;  ///< further planes on the same face: duplicates
-  double normal_error = 0;         ///< angle between the normals [rad]
-  double position_error = 0;       ///< distance of the plane from the middle of what was seen of the face [m]
+  std::size_t face = 0;                               ///< index in the list of faces
+  std::int64_t plane = -1;                            ///< id of the plane with the longest common stretch
+  std::vector<std::int64_t> more;                     ///< further planes on the same face: duplicates
+  std::vector<std::int64_t> from_other_storeys = {};  ///< planes on it that belong to another storey or the stairwell, one of each: as it should be
+  double normal_error = 0;                            ///< angle between the normals [rad]
+  double position_error = 0;                          ///< distance of the plane from the middle of what was seen of the face [m]
 };
 
 /// Mapped planes against the faces of the true walls.
