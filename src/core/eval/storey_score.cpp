@@ -118,6 +118,7 @@ StoreyScore score_storeys(const GraphSnapshot& graph, const TrueStoreys& truth, 
     score.height_errors.push_back(z - floors.begin()->second - wanted);
   }
   for (const auto& [id, plane] : graph.planes) {
+    if (plane.storey == stairwell) continue;  // a shaft's walls are seen from every floor's edge
     std::set<int> storeys;
     for (const KeyframeId seen : plane.keyframes) {
       const auto keyframe = graph.keyframes.find(seen);

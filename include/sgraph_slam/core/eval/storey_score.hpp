@@ -32,7 +32,7 @@ struct StoreyScore {
   int on_stairs = 0;                  ///< taken on stairs
   int stairs_misplaced = 0;           ///< of them said to be on a storey whose floor is over half a metre away
   std::vector<double> height_errors;  ///< of each true storey's floor against the first one's, where found [m]
-  int planes_across = 0;              ///< planes that keyframes of two storeys took for one
+  int planes_across = 0;              ///< planes of a storey, not of the stairwell, that keyframes of two storeys took for one
 };
 
 /// `start`: stamp of the truth's first moment; `T_truth_map` aligns the map.
