@@ -105,7 +105,7 @@ TEST(PathOn, JoinsNoTwoVisitsToAStorey) {
   DecisionLog log;
   Committer committer{graph, log};
   PlaneLayer planes({}, {});
-  const std::vector<double> x{0, 1, 2, 8, 9};
+  const std::vector<double> x{0, 1, 2, 9, 10};
   for (std::size_t k = 0; k < x.size(); ++k) {
     const KeyframeId id{static_cast<std::int64_t>(k)};
     Transaction edit;
@@ -118,7 +118,7 @@ TEST(PathOn, JoinsNoTwoVisitsToAStorey) {
   ASSERT_EQ(path.points().size(), 4U);
   EXPECT_FALSE(path.steps_near({0.5, -1}, {0.5, 1}).empty());
   EXPECT_TRUE(path.steps_near({4.5, -1}, {4.5, 1}).empty());  // between the first visit and the second
-  EXPECT_FALSE(path.steps_near({8.5, -1}, {8.5, 1}).empty());
+  EXPECT_FALSE(path.steps_near({9.5, -1}, {9.5, 1}).empty());
 }
 
 }  // namespace
