@@ -19,7 +19,6 @@ namespace {
 
 constexpr double query_path = 12;        // of the way that is searched for [m], as in localisation
 constexpr double candidate_path = 40;    // after which a candidate is forgotten [m]
-constexpr double same_storey = 1.2;      // largest difference in height of what is compared [m]
 constexpr int marginals_age = 5;         // keyframes
 constexpr double agrees = 0.3;           // [m] of a place from where the graph has the robot: there is nothing to close
 constexpr double agrees_angle = 0.05;    // [rad]
@@ -42,19 +41,22 @@ Vector6 found_sigma() {
 // The keyframes of a map's old part and those of the last metres, in one storey.
 struct Parts {
   KeyframeId first_old, last_old, first_new;
-  double height = 0;
-  const Graph* graph = nullptr;
+  int storey = 0;
+  const std::map<KeyframeId, SceneKeyframe>* keyframes = nullptr;
 
-  [[nodiscard]] bool level_with(KeyframeId id) const { return std::abs(graph->find(id)->translation.z() - height) < same_storey; }
-  [[nodiscard]] bool is_old(KeyframeId id) const { return !(last_old < id) && level_with(id); }
-  [[nodiscard]] bool is_new(KeyframeId id) const { return !(id < first_new); }
+  [[nodiscard]] bool is_here(KeyframeId id) const {
+    const auto keyframe = keyframes->find(id);
+    return keyframe != keyframes->end() && keyframe->second.storey == storey;
+  }
+  [[nodiscard]] bool is_old(KeyframeId id) const { return !(last_old < id) && is_here(id); }
+  [[nodiscard]] bool is_new(KeyframeId id) const { return !(id < first_new) && is_here(id); }
 };
 
-std::optional<Parts> parts_of(const Graph& graph, const std::map<KeyframeId, SceneKeyframe>& keyframes, const OdometryDrift& drift, KeyframeId now,
-                              double min_path) {
+std::optional<Parts> parts_of(const std::map<KeyframeId, SceneKeyframe>& keyframes, const OdometryDrift& drift, KeyframeId now, double min_path) {
   Parts parts;
-  parts.graph = &graph;
-  parts.height = graph.find(now)->translation.z();
+  parts.keyframes = &keyframes;
+  parts.storey = keyframes.at(now).storey;
+  if (parts.storey == stairwell) return std::nullopt;
   parts.first_old = keyframes.begin()->first;
   parts.first_new = now;
   for (const auto& [id, keyframe] : keyframes) {
@@ -65,7 +67,8 @@ std::optional<Parts> parts_of(const Graph& graph, const std::map<KeyframeId, Sce
       break;
     }
   }
-  return parts.last_old.valid() ? std::optional(parts) : std::nullopt;
+  const bool been_here = std::any_of(keyframes.begin(), keyframes.end(), [&](const auto& entry) { return parts.is_old(entry.first); });
+  return parts.last_old.valid() && been_here ? std::optional(parts) : std::nullopt;
 }
 
 template <class Wanted>
@@ -203,7 +206,7 @@ bool close_loop_by_appearance(Committer& committer, LoopCloser& loops, const std
   if (loops.last_searched.valid() && drift.path(loops.last_searched, now) < interval) return false;
   // What the odometry alone holds needs no search; this is the cheap question, and the answer for an odometry that registers scans.
   if (ground_sigma(drift.between(keyframes.begin()->first, now)) < params.appearance_sigma) return false;
-  const auto parts = parts_of(graph, keyframes, drift, now, params.min_path);
+  const auto parts = parts_of(keyframes, drift, now, params.min_path);
   if (!parts) return false;
   loops.last_searched = now;
   const Marginals* marginals = cache.get(graph, marginals_age);
