@@ -85,10 +85,9 @@ std::vector<MapTracker::View> MapTracker::views_of(const LocatedKeyframe& seen, 
   };
   std::vector<View> views;
   Matrix6 information = prior.inverse();
-  const double usual = usual_sigma(seen.segments.segments);
-  for (const PlaneSegment& raw : seen.segments.segments) {
-    if (!raw.plane.normal.allFinite() || !std::isfinite(raw.plane.d) || raw.extent.size() < 3 || !raw.covariance.allFinite()) continue;
-    const PlaneSegment segment = with_model_error(raw, usual);
+  for (const PlaneSegment& segment : seen.segments.segments) {
+    if (!segment.plane.normal.allFinite() || !std::isfinite(segment.plane.d) || segment.extent.size() < 3 || !segment.covariance.allFinite())
+      continue;
     const std::vector<Match> matches = associate(segment, T_map_base, T_base_lidar_, candidates, predicted, params_.association);
     if (matches.empty()) continue;
     const PlaneId id = matches.front().id;

@@ -24,7 +24,6 @@ constexpr std::size_t min_points = 100;
 constexpr double match_distance = 0.3;  // of a point from its nearest neighbour, to count as matched [m]
 constexpr double point_sigma = 0.05;    // of a matched point along the surface's normal [m]
 constexpr int normal_neighbours = 20;
-constexpr double correlated = 20;  // points that share one error
 
 PclCloud::Ptr thinned(const Cloud& cloud, double leaf) {
   auto all = std::make_shared<PclCloud>();
@@ -133,7 +132,8 @@ void judge(Surfaces& target, const PclCloud& source, const LoopParams& params, S
   const Residuals sum = residuals(target, source, match->T_target_source, match_distance);
   match->overlap = static_cast<double>(sum.matched) / static_cast<double>(source.size());
   match->fitness = sum.matched > 0 ? sum.squares / static_cast<double>(sum.matched) : 0;
-  Matrix6 information = sum.information / (point_sigma * point_sigma * correlated);
+  // A normal is fitted to its neighbours: what it is off by, they share.
+  Matrix6 information = sum.information / (point_sigma * point_sigma * normal_neighbours);
   information.diagonal().array() += 1e-2;  // a direction that nothing holds: 10 rad, 10 m
   Vector6 floor;
   floor << Eigen::Vector3d::Constant(params.sigma_angle), Eigen::Vector3d::Constant(params.sigma_distance);

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <vector>
 
+#include "sgraph_slam/core/math/noise.hpp"
 #include "sgraph_slam/core/registration/rigid_alignment.hpp"
 #include "sgraph_slam/core/util/voxel_set.hpp"
 
@@ -12,7 +13,6 @@ namespace {
 
 constexpr double measured_angle = 0.002;    // standard deviation of a measured motion [rad]
 constexpr double measured_distance = 0.01;  // [m]
-constexpr double least_noise = 0.02;        // of a point [m]
 constexpr double map_leaf = 0.1;            // of what enters the map [m]
 
 // The points of the newest scan in a keyframe's cloud: what was put together with a poor odometry is smeared, one scan isn't.
@@ -63,7 +63,7 @@ std::optional<KeyframeMotion> KeyframeRegistration::align(const Cloud& cloud, co
   for (const Eigen::Vector3d& p : newest_points(cloud, params_.leaf)) seen.push_back({T_map_lidar * p, T_map_lidar.translation});
   RigidAlignmentOptions options;
   options.iterations = 10;
-  options.noise = std::max(least_noise, map_->noise());
+  options.noise = std::max(noise::mapped_surface, map_->noise());
   options.kernel_end = std::max(0.1, 4 * options.noise);
   const RigidAlignmentResult match = align_rigidly(*map_, seen, options);
   if (match.inlier_share < params_.min_inliers) return {};

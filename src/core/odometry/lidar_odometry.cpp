@@ -5,6 +5,7 @@
 
 #include <Eigen/Cholesky>
 
+#include "sgraph_slam/core/math/noise.hpp"
 #include "sgraph_slam/core/math/se3.hpp"
 #include "sgraph_slam/core/math/so3.hpp"
 #include "sgraph_slam/core/odometry/relocaliser.hpp"
@@ -17,10 +18,9 @@ constexpr std::size_t fewest_points = 50;
 // Where all that is seen is near, as in a stairwell, one point in a voxel is too few: on a landing a VLP-16 sees two dozen points of any floor or
 // step.
 constexpr std::size_t fewest_keypoints = 1500;
-constexpr double no_times = 1e-3;         // clouds whose points span less [s] have one pose
-constexpr double broken_motion = 0.05;    // [s] between scans after which what the last one shows of the velocity is too little
-constexpr double covariance_scale = 9.0;  // points on one surface share its errors: their residuals are not independent
-constexpr int first_rounds = 4;           // of finding the motion during the first scan
+constexpr double no_times = 1e-3;       // clouds whose points span less [s] have one pose
+constexpr double broken_motion = 0.05;  // [s] between scans after which what the last one shows of the velocity is too little
+constexpr int first_rounds = 4;         // of finding the motion during the first scan
 
 CloudPtr moved(const Cloud& cloud, const Pose& T) {
   auto result = std::make_shared<Cloud>(cloud);
@@ -75,7 +75,7 @@ MotionOutput LidarOdometry::process(const CloudPtr& cloud) {
     WindowScan& newest = window_.newest();
     const AcceptanceVerdict verdict = acceptance_.accept_or_reject(solved, alignment, {newest.end, window_.pose(newest.end)}, last_end_, local_.up());
     if (verdict.accepted) {
-      estimate_covariance(newest, solved, alignment.free_directions);
+      estimate_covariance(solved, alignment.free_directions);
     } else {
       keep_prediction(prediction, verdict, newest);
     }
@@ -201,6 +201,7 @@ WindowResult LidarOdometry::solve(const RigidAlignmentResult& alignment) {
   options.distributions = distributions_;
   options.iterations = params_.motion.iterations;
   options.noise = local_.noise();
+  options.patch_effect = patch_effect(points_on_patch((window_.newest().narrow ? 0.5 : 1.0) * params_.motion.keypoint_leaf));
   options.kernel = std::max(params_.motion.kernel, 3.0 * local_.map().noise());
   const WindowResult result = solve_window(local_.map(), problem, options);
   window_.set_knots(std::move(problem.knots));
@@ -225,22 +226,34 @@ void LidarOdometry::keep_prediction(const Knots& predicted, const AcceptanceVerd
   for (int i = 0; i < 6; ++i) scan.degenerate.push_back(Vector6::Unit(i));
 }
 
-// How well the newest scan's pose is known, and in which directions it isn't.
-void LidarOdometry::estimate_covariance(WindowScan& newest, const WindowResult& solved, const std::vector<Vector6>& free_directions) const {
+// How well the scans' poses are known, and in which directions the newest one isn't. The scan before, which the newest one's points have helped to
+// place, is the better known.
+void LidarOdometry::estimate_covariance(const WindowResult& solved, const std::vector<Vector6>& free_directions) {
   const auto size = solved.information.rows();
   if (size < 6) return;
-  // The newest knot's covariance, from odom's axes about the sensor into the base's.
   const Eigen::MatrixXd covariance = solved.information.ldlt().solve(Eigen::MatrixXd::Identity(size, size));
-  const Pose& lidar = window_.knots().back().pose;
-  const Pose base = lidar * T_lidar_base_;
-  const Matrix6 block = covariance_scale * covariance.bottomRightCorner<6, 6>();
-  Matrix6 to_base = Matrix6::Zero();
-  const Eigen::Matrix3d r = base.matrix().transpose();
-  to_base.topLeftCorner<3, 3>() = r;
-  to_base.bottomRightCorner<3, 3>() = r;
-  to_base.bottomLeftCorner<3, 3>() = -r * skew(base.translation - lidar.translation);
-  newest.covariance = to_base * block * to_base.transpose();
-  for (const Vector6& d : free_directions) newest.degenerate.push_back((to_base * d).normalized());
+  const Knots& knots = window_.knots();
+  // From odom's axes about the sensor into the base's.
+  const auto to_base = [&](const Knot& knot) {
+    const Pose base = knot.pose * T_lidar_base_;
+    const Eigen::Matrix3d r = base.matrix().transpose();
+    Matrix6 turned = Matrix6::Zero();
+    turned.topLeftCorner<3, 3>() = r;
+    turned.bottomRightCorner<3, 3>() = r;
+    turned.bottomLeftCorner<3, 3>() = -r * skew(base.translation - knot.pose.translation);
+    return turned;
+  };
+  const auto estimate = [&](WindowScan& scan) {
+    auto i = static_cast<int>(knots.size()) - 1;
+    while (i > window_.first_free() && knots[static_cast<std::size_t>(i)].time > scan.end + 1e-9) --i;
+    const Matrix6 turned = to_base(knots[static_cast<std::size_t>(i)]);
+    const Eigen::Index at = 6 * (i - window_.first_free());
+    scan.covariance = turned * covariance.block<6, 6>(at, at) * turned.transpose();
+  };
+  estimate(window_.newest());
+  if (window_.size() > 1 && window_.oldest().accepted && window_.held_until() < window_.oldest().end) estimate(window_.oldest());
+  const Matrix6 turned = to_base(knots.back());
+  for (const Vector6& d : free_directions) window_.newest().degenerate.push_back((turned * d).normalized());
 }
 
 OdometryEstimate LidarOdometry::live_estimate(const WindowScan& scan, const WindowResult& solved) const {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "sgraph_slam/core/math/noise.hpp"
 #include "sgraph_slam/core/odometry/thinning.hpp"
 #include "sgraph_slam/core/registration/ring_image.hpp"
 #include "sgraph_slam/core/registration/vertical.hpp"
@@ -9,8 +10,7 @@
 namespace sgraph {
 namespace {
 
-constexpr double least_noise = 0.015;  // [m] of a residual: range noise and what the map doesn't know
-constexpr int look_every = 20;         // scans, for floors and ceilings that are new
+constexpr int look_every = 20;  // scans, for floors and ceilings that are new
 
 // Hands `take` one of the scan's points in a voxel of `leaf` [m] in the map's frame, with the normal that the scan shows.
 template <typename Take>
@@ -61,6 +61,6 @@ SurfaceMap MapUpdater::map_of(const Cloud& deskewed, const Pose& T_map_lidar) co
   return map;
 }
 
-double MapUpdater::noise() const { return std::max(least_noise, map_.noise()); }
+double MapUpdater::noise() const { return std::max(noise::mapped_surface, map_.noise()); }
 
 }  // namespace sgraph

@@ -57,6 +57,7 @@ struct Linearisation {
   int matched = 0;     // and those of them that are near a surface
   double squares = 0;  // of the inliers
   MatrixXd h;
+  MatrixXd points;  // the part of h that comes from points
   VectorXd b;
 };
 
@@ -88,6 +89,7 @@ class Problem {
     l.h = MatrixXd::Zero(size, size);
     l.b = VectorXd::Zero(size);
     add_points(knots, kernel, l);
+    l.points = l.h;
     add_prior(knots, l);
     add_height(knots, l);
     add_measurements(knots, l);
@@ -321,6 +323,7 @@ double size_of(const VectorXd& step) {
 
 WindowResult solve_window(const SurfaceMap& map, WindowProblem& problem, const WindowOptions& options) {
   constexpr double small_step = 2e-4;
+  constexpr double least_rms = 0.003;  // [m]: a good sensor's; without noise a fit says nothing of how good it is
   Problem linear(map, problem, options);
   WindowResult result;
   double scale = options.start_scale;
@@ -354,7 +357,9 @@ WindowResult solve_window(const SurfaceMap& map, WindowProblem& problem, const W
   result.inlier_share = at.newest > 0 ? static_cast<double>(at.inliers) / at.newest : 0;
   result.agreement = at.matched > 0 ? static_cast<double>(at.inliers) / at.matched : 0;
   result.residual_rms = at.inliers > 0 ? std::sqrt(at.squares / at.inliers) : 0;
-  result.information = at.h;
+  // What the points say is as good as they fit, and no better than the patches of the map's surfaces that they lie on.
+  const double variance = std::max(least_rms * least_rms, result.residual_rms * result.residual_rms) * options.patch_effect;
+  result.information = at.h + (options.noise * options.noise / variance - 1) * at.points;
   return result;
 }
 

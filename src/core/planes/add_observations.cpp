@@ -96,10 +96,9 @@ AssociationResult add_observations(Committer& committer, PlaneLayer& planes, con
   const auto predicted = [&uncertainty](PlaneId id, const Innovation& innovation) { return uncertainty(id, innovation); };
 
   const std::vector<Eigen::Vector3d> origins = lidar_origins(newest, planes.T_base_lidar);
-  const double usual = usual_sigma(segments.segments);
   std::vector<View> views;
   for (std::size_t i = 0; i < segments.segments.size(); ++i) {
-    View view{i, with_model_error(segments.segments[i], usual)};
+    View view{i, segments.segments[i]};
     if (!usable(view.segment)) {
       ++result.ignored;
       continue;

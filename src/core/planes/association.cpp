@@ -38,25 +38,6 @@ Eigen::Matrix3d floored_covariance(const PlaneSegment& segment, double sigma_ang
   return segment.covariance + from_centroid * variance.asDiagonal() * from_centroid.transpose();
 }
 
-double usual_sigma(const std::vector<PlaneSegment>& segments) {
-  std::vector<double> sigmas;
-  for (const PlaneSegment& segment : segments) {
-    if (std::isfinite(segment.sigma)) sigmas.push_back(segment.sigma);
-  }
-  if (sigmas.empty()) return 0;
-  const auto middle = sigmas.begin() + static_cast<std::ptrdiff_t>(sigmas.size() / 2);
-  std::nth_element(sigmas.begin(), middle, sigmas.end());
-  return *middle;
-}
-
-PlaneSegment with_model_error(const PlaneSegment& segment, double usual) {
-  constexpr double patches = 8;  // parts of a surface that deviate independently
-  PlaneSegment rough = segment;
-  const double excess = segment.sigma * segment.sigma - usual * usual;
-  if (excess > 0 && segment.count > patches) rough.covariance *= 1 + segment.count / patches * excess / (segment.sigma * segment.sigma);
-  return rough;
-}
-
 const char* to_string(MatchVerdict value) {
   switch (value) {
     case MatchVerdict::accepted: return "accepted";

@@ -7,7 +7,7 @@
 #include "extraction.hpp"
 #include "finishing.hpp"
 #include "point_set.hpp"
-#include "sgraph_slam/core/segmentation/plane_fit.hpp"
+#include "segment_covariance.hpp"
 
 namespace sgraph {
 namespace {
@@ -31,9 +31,6 @@ PlaneSegment segment_of(const PointSet& points, const FlatSurface& surface) {
   segment.count = static_cast<int>(surface.members.size());
   segment.centroid = surface.scatter.block<3, 1>(0, 3) / surface.scatter(3, 3);
   segment.extent = outline(points, surface.members, surface.plane);
-  // Three degrees of freedom went into the plane; and no sensor is better than a millimetre.
-  const double n = surface.scatter(3, 3);
-  segment.covariance = plane_covariance(surface.plane, surface.scatter, std::max(1e-3, surface.sigma * std::sqrt(n / (n - 3))));
   return segment;
 }
 
@@ -68,6 +65,9 @@ PlaneSegments PlaneSegmenter::process(const Cloud& cloud, std::vector<int>* labe
     rank[order[k]] = static_cast<int>(k);
     result.segments.push_back(segment_of(points, surfaces[order[k]]));
   }
+  const double usual = usual_sigma(result.segments);
+  for (std::size_t k = 0; k < order.size(); ++k)
+    result.segments[k].covariance = segment_covariance(cloud, points, positions, surfaces[order[k]], usual);
   if (labels != nullptr) {
     labels->assign(cloud.size(), -1);
     for (std::size_t i = 0; i < points.size(); ++i) {

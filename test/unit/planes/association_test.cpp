@@ -165,13 +165,6 @@ TEST_F(TwoWalls, UncertaintyOpensTheGate) {
   EXPECT_EQ(match({{{0}, drifted, &here}}, 0.2).size(), 1U);
 }
 
-TEST_F(TwoWalls, ARoughSegmentIsTrustedLess) {
-  EXPECT_EQ(with_model_error(segment, 2 * segment.sigma).covariance, segment.covariance);
-  const PlaneSegment rough = with_model_error(segment, 0.5 * segment.sigma);
-  EXPECT_GT(rough.covariance.trace(), 2 * segment.covariance.trace());
-  EXPECT_EQ(usual_sigma({}), 0);
-}
-
 // A keyframe that went through a door has seen both sides of its wall.
 TEST_F(TwoWalls, SideIsUnsureWhenTheLidarWasOnBothSides) {
   EXPECT_FALSE(side_is_unsure(segment, {}));

@@ -36,7 +36,7 @@ class LidarOdometry : public MotionSource {
   void loosen_prior(WindowProblem& problem) const;
   WindowResult solve(const RigidAlignmentResult& alignment);
   void keep_prediction(const Knots& predicted, const AcceptanceVerdict& verdict, WindowScan& scan);
-  void estimate_covariance(WindowScan& newest, const WindowResult& solved, const std::vector<Vector6>& free_directions) const;
+  void estimate_covariance(const WindowResult& solved, const std::vector<Vector6>& free_directions);
   [[nodiscard]] OdometryEstimate live_estimate(const WindowScan& scan, const WindowResult& solved) const;
   void make_final(std::size_t kept, std::vector<FinalScan>& finals);
   FinalScan make_oldest_final();

@@ -32,6 +32,7 @@ class ScanWindow {
   void replace(WindowScan scan) { scans_ = {std::move(scan)}; }
   [[nodiscard]] WindowScan& newest() { return scans_.back(); }
   [[nodiscard]] const WindowScan& newest() const { return scans_.back(); }
+  [[nodiscard]] WindowScan& oldest() { return scans_.front(); }
   [[nodiscard]] const WindowScan& oldest() const { return scans_.front(); }
   [[nodiscard]] std::size_t size() const { return scans_.size(); }
   /// Takes the oldest scan out and holds the knots up to its end from now on; those that nobody needs any more go.

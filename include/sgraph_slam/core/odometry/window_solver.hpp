@@ -48,6 +48,7 @@ struct WindowOptions {
   int iterations = 8;
   double kernel = 0.06;        ///< scale of the robust kernel at the end [m]
   double noise = 0.02;         ///< standard deviation of a residual [m]
+  double patch_effect = 1;     ///< how many times more variance the points leave than if they were independent (core/math/noise.hpp)
   double start_scale = 3.0;    ///< the kernel begins this much wider
   bool distributions = false;  ///< residual between two Gaussians instead of along the surface's normal (VGICP, Koide et al. 2021)
   double gate_scale = 3.0;     ///< points farther than this many kernels from a surface don't match
@@ -59,7 +60,9 @@ struct WindowResult {
   double residual_rms = 0;  ///< of those [m]
   int iterations = 0;
   bool converged = false;
-  Eigen::MatrixXd information;  ///< of the free knots with the prior: (rotation, translation) a knot, left perturbation in odom
+  /// Of the free knots with the prior: (rotation, translation) a knot, left perturbation in odom. Points count with the rms of the newest scan's
+  /// inliers and the patch effect.
+  Eigen::MatrixXd information;
 };
 
 /// Finds the knots' poses together from points on surfaces, other sensors' measurements of the motion and the prior on the change of velocity:

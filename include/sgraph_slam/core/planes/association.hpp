@@ -31,13 +31,6 @@ Innovation plane_innovation(const Plane& plane_map, const Pose& T_map_base, cons
 /// Covariance of a segment's plane with standard deviations added that hold at its centroid: what all of its points share. [rad, m]
 Eigen::Matrix3d floored_covariance(const PlaneSegment& segment, double sigma_angle, double sigma_distance);
 
-/// Typical rms of the inliers of a keyframe's segments [m]: the median over them; 0 for none.
-double usual_sigma(const std::vector<PlaneSegment>& segments);
-
-/// A segment rougher than usual isn't one plane (a shelf's back against the wall, a bulge): what it deviates doesn't average out over its points as
-/// noise does, but only over a few patches. Widens the covariance accordingly.
-PlaneSegment with_model_error(const PlaneSegment& segment, double usual_sigma);
-
 /// Uncertainty of the residual that comes from the map and the pose, `J Sigma J^T`. First argument: which plane.
 using PredictedCovariance = std::function<Eigen::Matrix3d(PlaneId, const Innovation&)>;
 
