@@ -38,16 +38,20 @@ json json_of(const TrajectoryEvaluation& e) {
 }
 
 json json_of(const MapError& e) {
-  return {
-      {"rmse_m", e.structure.rmse},
-      {"structure_m", json_of(e.structure)},
-      {"walls_m", json_of(e.walls)},
-      {"horizontal_m", json_of(e.horizontal)},
-      {"furniture_m", json_of(e.furniture)},
-      {"points", e.points},
-      {"ghost_share", e.ghost_share},
-      {"p95_m", e.p95},
-      {"left_out", {{"beyond_cap", e.beyond_cap}, {"unknown_height", e.unknown_height}, {"outdoors", e.outdoors}, {"furniture", e.furniture.count}}}};
+  return {{"rmse_m", e.structure.rmse},
+          {"structure_m", json_of(e.structure)},
+          {"walls_m", json_of(e.walls)},
+          {"horizontal_m", json_of(e.horizontal)},
+          {"furniture_m", json_of(e.furniture)},
+          {"points", e.points},
+          {"ghost_share", e.ghost_share},
+          {"p95_m", e.p95},
+          {"left_out",
+           {{"beyond_cap", e.beyond_cap},
+            {"unknown_height", e.unknown_height},
+            {"unknown_inside", e.unknown_inside},
+            {"outdoors", e.outdoors},
+            {"furniture", e.furniture.count}}}};
 }
 
 json json_of(const PlaceScore& s) {

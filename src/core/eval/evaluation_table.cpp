@@ -46,8 +46,10 @@ void add_map(std::string& text, const MapError& e, double cap) {
   add_line(text, "  floors and ceilings    %9.4f m  (%d points)", e.horizontal.rmse, e.horizontal.count);
   add_line(text, "  ghosts                 %9.2f %% of the points more than %.2f m off every surface; 95 %% within %.4f m", 100 * e.ghost_share,
            ghost_distance, e.p95);
-  add_line(text, "  left out: %d further than %.2f m from every surface, %d on furniture, %d at a height the truth doesn't know", e.beyond_cap, cap,
-           e.furniture.count, e.unknown_height);
+  add_line(text,
+           "  left out: %d further than %.2f m from every surface, %d on furniture, %d at a height the truth doesn't know, %d "
+           "where it lists no furniture",
+           e.beyond_cap, cap, e.furniture.count, e.unknown_height, e.unknown_inside);
 }
 
 void add_walls(std::string& text, const WallScore& s) {

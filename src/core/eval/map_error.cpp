@@ -138,6 +138,13 @@ MapError map_error(const std::vector<Eigen::Vector3f>& points, const Pose& T_tru
       return !level.ceiling_known && p.z() >= level.floor + 2 && contains(level.outline, p.head<2>());
     });
   };
+  const auto in_a_place = [&plan](const Eigen::Vector3d& p) {
+    const auto holds = [&p](const PlanPlace& place) {
+      const Eigen::Vector2d off = Eigen::Rotation2Dd(-place.yaw) * (p.head<2>() - place.center);
+      return (off.cwiseAbs() - 0.5 * place.width).maxCoeff() < 0;
+    };
+    return std::any_of(plan.rooms.begin(), plan.rooms.end(), holds) || std::any_of(plan.corridors.begin(), plan.corridors.end(), holds);
+  };
   MapError result;
   std::vector<double> all;
   std::vector<double> structure;
@@ -152,6 +159,10 @@ MapError map_error(const std::vector<Eigen::Vector3f>& points, const Pose& T_tru
       continue;
     }
     const SurfaceDistance found = surfaces.nearest(p);
+    if (!plan.furniture_known && found.distance > ghost_distance && in_a_place(p)) {
+      ++result.unknown_inside;
+      continue;
+    }
     all.push_back(found.surface == PlanSurface::none ? cap : found.distance);
     switch (found.surface) {
       case PlanSurface::none: ++result.beyond_cap; continue;

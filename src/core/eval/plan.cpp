@@ -114,6 +114,7 @@ Plan plan_from(const json& j) {
   for (const json& b : j.value("columns", json::array())) plan.blocks.push_back(block_from(b, false));
   for (const json& b : j.value("stairs", json::array())) plan.blocks.push_back(block_from(b, false));
   for (const json& b : j.value("furniture", json::array())) plan.blocks.push_back(block_from(b, true));
+  plan.furniture_known = j.contains("furniture");
   for (const json& r : j.value("rooms", json::array())) plan.rooms.push_back(place_from(r));
   for (const json& c : j.value("corridors", json::array())) plan.corridors.push_back(place_from(c));
   for (const json& r : j.value("other_rooms", json::array())) plan.rooms.push_back(not_entered(place_from(r)));

@@ -75,6 +75,7 @@ struct MapError {
   int points = 0;      ///< in the map
   int beyond_cap = 0;  ///< left out: further than the cap from every surface (furniture that the truth doesn't list, people, views through windows)
   int outdoors = 0;    ///< left out: on the ground around the building
+  int unknown_inside = 0;  ///< left out: off every surface, in a room or corridor of which the truth lists no furniture
   int unknown_height = 0;  ///< left out: 2 m or more above the floor where the truth tells no ceiling
 };
 

@@ -85,6 +85,7 @@ struct Plan {
   std::string name;
   std::vector<PlanWall> walls;
   std::vector<PlanBlock> blocks;
+  bool furniture_known = true;  ///< false: the truth lists none, so what stands in a room can be anything
   std::vector<PlanLevel> levels;
   std::optional<double> ground;  ///< z around the building [m]
   std::vector<PlanPlace> rooms;
