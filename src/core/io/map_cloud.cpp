@@ -131,7 +131,7 @@ Cloud LiveMapCloud::cloud() const {
   return map;
 }
 
-Cloud map_cloud(const GraphSnapshot& snapshot, const Pose& T_base_lidar, double leaf, const SeenThrough* gone) {
+Cloud map_cloud(const GraphSnapshot& snapshot, const Pose& T_base_lidar, double leaf, const LeaveOut& left_out) {
   Cloud map;
   map.frame = snapshot.frame;
   VoxelMeans voxels(leaf);
@@ -140,7 +140,7 @@ Cloud map_cloud(const GraphSnapshot& snapshot, const Pose& T_base_lidar, double 
     if (!cloud) continue;
     map.stamp = keyframe.stamp;
     visit_points(*cloud, keyframe.T_map_base * T_base_lidar, [&](const Eigen::Vector3d& p, Point& point) {
-      if (gone != nullptr && (*gone)(p)) return;
+      if (left_out && left_out(p)) return;
       if (leaf > 0) {
         voxels.add(p, point);
       } else {

@@ -7,7 +7,9 @@
 #include "sgraph_slam/core/io/floor_plan.hpp"
 #include "sgraph_slam/core/io/graph_json.hpp"
 #include "sgraph_slam/core/io/map_cloud.hpp"
+#include "sgraph_slam/core/io/mirror_images.hpp"
 #include "sgraph_slam/core/io/occupancy_grid.hpp"
+#include "sgraph_slam/core/io/seen_through.hpp"
 #include "sgraph_slam/core/io/storey_view.hpp"
 #include "sgraph_slam/core/io/tum.hpp"
 
@@ -35,7 +37,7 @@ namespace {
 
 // The grid and the drawings of a storey; `suffix` comes before the dot of each name.
 void write_plans(const std::string& base, const std::string& suffix, const GraphSnapshot& snapshot, const Trajectory& path, const Pose& T_base_lidar,
-                 const OutputParams& params, const SeenThrough* leave_out) {
+                 const OutputParams& params, const LeaveOut& leave_out) {
   const OccupancyGrid grid = make_occupancy_grid(snapshot, T_base_lidar, params, leave_out);
   write_file(base + "map" + suffix + ".pgm", pgm_bytes(grid));
   write_file(base + "map" + suffix + ".yaml", map_yaml(grid, "map" + suffix + ".pgm"));
@@ -57,8 +59,10 @@ void write_map(const std::string& folder, const GraphSnapshot& snapshot, const T
   write_file(base + "graph.json", graph_json(snapshot));
   write_file(base + "decisions.csv", decisions_csv(snapshot.decisions));
   std::optional<SeenThrough> gone;
+  std::optional<MirrorImages> images;
   if (!params.keep_gone) gone.emplace(snapshot, T_base_lidar);
-  const SeenThrough* const leave_out = gone ? &*gone : nullptr;
+  if (!params.keep_images) images.emplace(snapshot, T_base_lidar);
+  const LeaveOut leave_out = [&](const Eigen::Vector3d& p_map) { return (gone && (*gone)(p_map)) || (images && (*images)(p_map)); };
   write_file(base + "map.pcd", pcd_bytes(map_cloud(snapshot, T_base_lidar, params.cloud_leaf, leave_out)));
   const std::set<int> storeys = storeys_of(snapshot);
   if (storeys.size() < 2) {

@@ -35,7 +35,7 @@ void sort_and_thin(std::vector<Cell>& cells) {
 }
 
 Sweep sweep_of(const SceneKeyframe& keyframe, const Cloud& cloud, const Pose& T_base_lidar, const Plane& floor, const OutputParams& params,
-               const SeenThrough* gone) {
+               const LeaveOut& left_out) {
   const Pose T_map_lidar = keyframe.T_map_base * T_base_lidar;
   const Eigen::Vector3d& origin = T_map_lidar.translation;
   const double lidar_height = floor.distance(origin);
@@ -48,7 +48,7 @@ Sweep sweep_of(const SceneKeyframe& keyframe, const Cloud& cloud, const Pose& T_
     const Eigen::Vector3d p = T_map_lidar * point.position().cast<double>();
     if (!p.allFinite() || p.cwiseAbs().maxCoeff() > max_coordinate) continue;
     const double height = floor.distance(p);
-    if (gone != nullptr && (*gone)(p)) continue;
+    if (left_out && left_out(p)) continue;
     if (height >= low && height <= high) {
       sweep.hits.push_back(cell_of(p));
     } else {
@@ -186,12 +186,12 @@ std::int8_t OccupancyGrid::at(const Eigen::Vector2d& p) const {
   return cells[static_cast<std::size_t>(cell.y()) * static_cast<std::size_t>(width) + static_cast<std::size_t>(cell.x())];
 }
 
-OccupancyGrid make_occupancy_grid(const GraphSnapshot& snapshot, const Pose& T_base_lidar, const OutputParams& params, const SeenThrough* gone) {
+OccupancyGrid make_occupancy_grid(const GraphSnapshot& snapshot, const Pose& T_base_lidar, const OutputParams& params, const LeaveOut& left_out) {
   std::vector<Sweep> sweeps;
   for (const auto& [id, keyframe] : snapshot.keyframes) {
     const auto floor = floor_below(snapshot, keyframe, T_base_lidar);
     const CloudPtr cloud = keyframe.cloud.get();
-    if (floor && cloud) sweeps.push_back(sweep_of(keyframe, *cloud, T_base_lidar, *floor, params, gone));
+    if (floor && cloud) sweeps.push_back(sweep_of(keyframe, *cloud, T_base_lidar, *floor, params, left_out));
   }
   double resolution = params.grid_resolution;
   while (area(bounds_of(sweeps)) > max_cells) {
@@ -220,8 +220,8 @@ class LiveOccupancyGrid::Implementation {
       const CloudPtr cloud = keyframe.cloud.get();
       const auto floor = floor_below(snapshot, keyframe, T_base_lidar);
       if (!cloud || !floor) continue;
-      if (before != known_.end()) carver_.add(sweep_of(before->second.keyframe, *cloud, T_base_lidar, before->second.floor, params_, nullptr), -1);
-      const Sweep sweep = sweep_of(keyframe, *cloud, T_base_lidar, *floor, params_, nullptr);
+      if (before != known_.end()) carver_.add(sweep_of(before->second.keyframe, *cloud, T_base_lidar, before->second.floor, params_, {}), -1);
+      const Sweep sweep = sweep_of(keyframe, *cloud, T_base_lidar, *floor, params_, {});
       if (area(bounds_of(sweep)) > most_live) continue;  // a reflection kilometres away
       carver_.hold(bounds_of(sweep), static_cast<int>(10 / params_.grid_resolution));
       carver_.add(sweep);

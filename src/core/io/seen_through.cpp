@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "ray_origins.hpp"
 #include "sgraph_slam/core/math/so3.hpp"
 
 namespace sgraph {
@@ -19,26 +20,6 @@ constexpr double on_plane = 0.08;             // [m]: a wall's noise, and what a
 constexpr double beside_plane = 0.2;          // [m] beyond its outline
 
 bool finite(const Point& p) { return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z); }
-
-// Where the rays of a cloud came from, in the map.
-class Origins {
- public:
-  Origins(const Cloud& cloud, const Pose& T_map_lidar) : own_(T_map_lidar.translation) {
-    for (const Viewpoint& view : cloud.viewpoints) views_.push_back({view.time, T_map_lidar * view.position});
-  }
-
-  [[nodiscard]] const Eigen::Vector3d& of(const Point& point) const {
-    if (views_.empty()) return own_;
-    const auto after = std::lower_bound(views_.begin(), views_.end(), point.time, [](const Viewpoint& v, double time) { return v.time < time; });
-    if (after == views_.begin()) return after->position;
-    const auto before = std::prev(after);
-    return after == views_.end() || point.time - before->time < after->time - point.time ? before->position : after->position;
-  }
-
- private:
-  Eigen::Vector3d own_;
-  std::vector<Viewpoint> views_;
-};
 
 // Visits the cells that a straight way passes, in order, in cells from the grid's corner, while `visit` says so.
 template <class Visit>
@@ -114,7 +95,7 @@ SeenThrough::SeenThrough(const GraphSnapshot& snapshot, const Pose& T_base_lidar
     ++now;
     if (!cloud) continue;
     const Pose T_map_lidar = keyframe.T_map_base * T_base_lidar;
-    const Origins origins(*cloud, T_map_lidar);
+    const RayOrigins origins(*cloud, T_map_lidar);
     const Eigen::Matrix3d rotation = T_map_lidar.matrix();
     const auto in_map = [&](const Point& p) -> Eigen::Vector3d { return rotation * p.position().cast<double>() + T_map_lidar.translation; };
     for (const Point& point : cloud->points) {

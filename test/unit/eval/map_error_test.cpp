@@ -124,6 +124,22 @@ TEST(MapError, SortsPointsAndMeasuresThemAfterTheAlignment) {
   EXPECT_EQ(error.unknown_height, 0);
 }
 
+// Where the truth lists no furniture, what stands in a room may be some; what is off every surface outside is a ghost all the same.
+TEST(MapError, FurnitureThatTheTruthDoesNotListIsNoGhost) {
+  Plan plan = one_wall();
+  PlanPlace room;
+  room.center = {5, 3};
+  room.width = {4, 3};
+  room.yaw = 0.1;
+  plan.rooms.push_back(room);
+  const std::vector<Eigen::Vector3f> points{{5, 3, 1.2F}, {1, 0.13F, 1.5F}, {-40, 0, 1}};
+  EXPECT_NEAR(map_error(points, Pose{}, plan, 0.5).ghost_share, 2 / 3.0, 1e-9);
+  plan.furniture_known = false;
+  const MapError error = map_error(points, Pose{}, plan, 0.5);
+  EXPECT_EQ(error.unknown_inside, 1);
+  EXPECT_NEAR(error.ghost_share, 0.5, 1e-9);
+}
+
 TEST(MapError, AnUnknownCeilingIsLeftOut) {
   Plan plan = one_wall();
   plan.levels[0].ceiling.reset();

@@ -1,5 +1,7 @@
 #include "sgraph_slam/core/io/seen_through.hpp"
 
+#include <functional>
+
 #include <gtest/gtest.h>
 
 #include "sgraph_slam/core/io/map_cloud.hpp"
@@ -65,7 +67,7 @@ TEST(SeenThrough, WhoHasGoneIsNotInTheMapAndWhatIsThinStays) {
   const GraphSnapshot snapshot = visits(room, {both, both, alone, alone, alone});
   const SeenThrough gone(snapshot, room.T_base_lidar());
   const Cloud all = map_cloud(snapshot, room.T_base_lidar(), 0.05);
-  const Cloud cleaned = map_cloud(snapshot, room.T_base_lidar(), 0.05, &gone);
+  const Cloud cleaned = map_cloud(snapshot, room.T_base_lidar(), 0.05, std::cref(gone));
   EXPECT_GT(points_near(all, visitor, 0.2F), 100);
   EXPECT_EQ(points_near(cleaned, visitor, 0.2F), 0);  // below are his soles: next to the floor
   EXPECT_GT(points_near(all, pole, 0.2F), 5);
@@ -75,7 +77,7 @@ TEST(SeenThrough, WhoHasGoneIsNotInTheMapAndWhatIsThinStays) {
   EXPECT_GE(removed, points_near(all, visitor, 0.2F));
   EXPECT_LE(removed, points_near(all, visitor, 0.02F));
   const OutputParams params;
-  EXPECT_EQ(make_occupancy_grid(snapshot, room.T_base_lidar(), params, &gone).at({1.2, 0.16}), OccupancyGrid::free);
+  EXPECT_EQ(make_occupancy_grid(snapshot, room.T_base_lidar(), params, std::cref(gone)).at({1.2, 0.16}), OccupancyGrid::free);
 }
 
 TEST(SeenThrough, TheLastVisitCounts) {
@@ -85,7 +87,7 @@ TEST(SeenThrough, TheLastVisitCounts) {
     const GraphSnapshot snapshot = visits(room, columns);
     const SeenThrough gone(snapshot, room.T_base_lidar());
     const Cloud all = map_cloud(snapshot, room.T_base_lidar(), 0.05);
-    EXPECT_EQ(map_cloud(snapshot, room.T_base_lidar(), 0.05, &gone).size(), all.size()) << columns.size();
+    EXPECT_EQ(map_cloud(snapshot, room.T_base_lidar(), 0.05, std::cref(gone)).size(), all.size()) << columns.size();
   }
 }
 

@@ -2,8 +2,8 @@
 
 #include <array>
 
-#include <Eigen/LU>
 #include <gtest/gtest.h>
+#include <Eigen/LU>
 
 #include "sgraph_slam/core/util/rng.hpp"
 

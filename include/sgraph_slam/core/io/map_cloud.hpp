@@ -1,18 +1,21 @@
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
 
-#include "sgraph_slam/core/io/seen_through.hpp"
 #include "sgraph_slam/core/types/scene.hpp"
 
 namespace sgraph {
 
+/// Whether a point of some keyframe's cloud (map frame) is left out of the map.
+using LeaveOut = std::function<bool(const Eigen::Vector3d& p_map)>;
+
 /// The keyframes' clouds where the graph has them, in the map frame: the mean of the points in each voxel of edge `leaf` [m]; 0: all points. Voxels
-/// beside a surface that hold only its outer noise are left out, as are points that are not finite, and those of what is gone when `gone` is given.
+/// beside a surface that hold only its outer noise are left out, as are points that are not finite, and those that `left_out` says so of.
 /// Times are 0.
-Cloud map_cloud(const GraphSnapshot& snapshot, const Pose& T_base_lidar, double leaf, const SeenThrough* gone = nullptr);
+Cloud map_cloud(const GraphSnapshot& snapshot, const Pose& T_base_lidar, double leaf, const LeaveOut& left_out = {});
 
 /// The same cloud kept up while the map grows: only keyframes that are new, or have moved by half a leaf, are read.
 class LiveMapCloud {

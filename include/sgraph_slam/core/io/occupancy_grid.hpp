@@ -7,8 +7,8 @@
 
 #include <Eigen/Core>
 
+#include "sgraph_slam/core/io/map_cloud.hpp"
 #include "sgraph_slam/core/io/params.hpp"
-#include "sgraph_slam/core/io/seen_through.hpp"
 #include "sgraph_slam/core/types/scene.hpp"
 
 namespace sgraph {
@@ -30,9 +30,9 @@ struct OccupancyGrid {
 };
 
 /// Points in a band above the floor are obstacles; what the rays from the LiDAR to the points passed within that band is free. The band is widened
-/// to hold the LiDAR itself. A cell that one keyframe hits and others see through is decided by their odds; what is `gone` is no obstacle.
-OccupancyGrid make_occupancy_grid(const GraphSnapshot& snapshot, const Pose& T_base_lidar, const OutputParams& params,
-                                  const SeenThrough* gone = nullptr);
+/// to hold the LiDAR itself. A cell that one keyframe hits and others see through is decided by their odds; what is
+/// `left_out` is no obstacle.
+OccupancyGrid make_occupancy_grid(const GraphSnapshot& snapshot, const Pose& T_base_lidar, const OutputParams& params, const LeaveOut& left_out = {});
 
 /// The same grid kept up while the map grows: only keyframes that are new, or have moved by a cell, are read. Rays of tens of kilometres are left out
 /// instead of making the cells larger.

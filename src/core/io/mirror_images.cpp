@@ -1,0 +1,360 @@
+#include "sgraph_slam/core/io/mirror_images.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
+#include <utility>
+
+#include <Eigen/Geometry>
+
+#include "ray_origins.hpp"
+#include "sgraph_slam/core/io/map_cloud.hpp"
+
+namespace sgraph {
+namespace {
+
+constexpr double voxel = 0.1;               // in which points count as seen [m]
+constexpr double cell = 0.1;                // of the raster on a wall [m]
+constexpr double on_wall = 0.06;            // of a wall's face: its noise [m]
+constexpr double behind = 0.1;              // a wall's face, and no nearer, a point is seen through it [m]
+constexpr double least_length = 1.0;        // of a wall, each way: anything smaller is furniture [m]
+constexpr double reach = 30;                // of the LiDAR before a wall [m]
+constexpr double sill = 0.35;               // a hole that begins higher above the floor is no passage [m]
+constexpr int least_rays = 3;               // through a cell, for a hole
+constexpr std::size_t least_images = 40;    // points through a hole, to judge it
+constexpr double pane_returns = 0.15;       // of the cells of a hole, with points on the wall: it is glass
+constexpr double mirrored_share = 0.3;      // of the points behind a window that have something at their image
+constexpr double mirrored_door = 0.45;      // the same of a hole that reaches the floor: a room may look like the one before the door
+constexpr int depths = 7;                   // of a pane behind the wall's face that are tried: up to 0.3 m, half of a thick wall
+constexpr double depth_step = 0.05;         // between them [m]
+constexpr std::size_t most_samples = 2000;  // of the points seen through a hole
+constexpr double farthest = 5e4;            // of a point that a voxel's number can tell [m]
+constexpr int most_cells = 4'000'000;       // of one wall's raster
+
+bool finite(const Point& p) { return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z); }
+
+std::uint64_t key(const Eigen::Array3d& voxels) {
+  const auto part = [](double v) { return static_cast<std::uint64_t>(static_cast<std::int64_t>(std::floor(v)) + (1 << 20)) & 0x1fffffU; };
+  return part(voxels.x()) << 42 | part(voxels.y()) << 21 | part(voxels.z());
+}
+
+std::uint64_t key_of(const Eigen::Vector3d& p) { return key(p.array() / voxel); }
+
+// Voxels in which something was seen.
+class Seen {
+ public:
+  void add(const Eigen::Vector3d& p) {
+    keys_.push_back(key_of(p));
+    if (keys_.size() > 2 * settled_ + 1'000'000) settle();
+  }
+  void settle() {
+    std::sort(keys_.begin(), keys_.end());
+    keys_.erase(std::unique(keys_.begin(), keys_.end()), keys_.end());
+    settled_ = keys_.size();
+  }
+  // In the voxel or one that the point is nearest to. Settled before.
+  [[nodiscard]] bool near(const Eigen::Vector3d& p) const {
+    const Eigen::Array3d at = p.array() / voxel - 0.5;
+    for (int k = 0; k < 8; ++k) {
+      if (std::binary_search(keys_.begin(), keys_.end(), key(at + Eigen::Array3d(k & 1, k >> 1 & 1, k >> 2)))) return true;
+    }
+    return false;
+  }
+
+ private:
+  std::vector<std::uint64_t> keys_;
+  std::size_t settled_ = 0;
+};
+
+// A wall's face with a raster over its outline.
+struct Wall {
+  Plane plane;
+  Eigen::Vector3d along, up;
+  Eigen::Vector2d corner;  // of the raster, along and up [m]
+  int columns = 0, rows = 0;
+  double floor = std::numeric_limits<double>::infinity();  // lowest z beside it
+  Eigen::AlignedBox3d box;
+  std::vector<char> inside;
+  std::vector<std::uint16_t> passes;  // rays through a cell
+  std::vector<std::uint8_t> returns;  // bit k: something was seen where a pane would be k steps behind the face
+  std::vector<int> hole;              // number of the hole that a cell belongs to; -1: none
+
+  [[nodiscard]] std::optional<std::uint32_t> cell_at(const Eigen::Vector3d& p) const {
+    const double column = (along.dot(p) - corner.x()) / cell;
+    const double row = (up.dot(p) - corner.y()) / cell;
+    if (!(column >= 0 && row >= 0 && column < columns && row < rows)) return std::nullopt;
+    const std::size_t i = static_cast<std::size_t>(row) * static_cast<std::size_t>(columns) + static_cast<std::size_t>(column);
+    if (inside[i] == 0) return std::nullopt;
+    return static_cast<std::uint32_t>(i);
+  }
+};
+
+std::optional<Wall> wall_of(const ScenePlane& plane) {
+  if (std::abs(plane.plane.normal.z()) > 0.2 || plane.extent.size() < 3) return std::nullopt;
+  Wall wall;
+  wall.plane = plane.plane;
+  wall.along = Eigen::Vector3d::UnitZ().cross(plane.plane.normal).normalized();
+  wall.up = plane.plane.normal.cross(wall.along);
+  Eigen::AlignedBox2d box;
+  std::vector<Eigen::Vector2d> outline;
+  for (const Eigen::Vector3d& p : plane.extent) {
+    outline.emplace_back(wall.along.dot(p), wall.up.dot(p));
+    wall.box.extend(p);
+    box.extend(outline.back());
+  }
+  if (!(box.sizes().minCoeff() >= least_length) || box.volume() / (cell * cell) > most_cells) return std::nullopt;
+  wall.corner = box.min();
+  wall.columns = static_cast<int>(box.sizes().x() / cell) + 1;
+  wall.rows = static_cast<int>(box.sizes().y() / cell) + 1;
+  const std::size_t count = static_cast<std::size_t>(wall.columns) * static_cast<std::size_t>(wall.rows);
+  wall.inside.assign(count, 0);
+  wall.passes.assign(count, 0);
+  wall.returns.assign(count, 0);
+  wall.hole.assign(count, -1);
+  double turn = 0;
+  for (std::size_t i = 0; i < outline.size(); ++i) {
+    const Eigen::Vector2d& a = outline[i];
+    const Eigen::Vector2d& b = outline[(i + 1) % outline.size()];
+    turn += a.x() * b.y() - a.y() * b.x();
+  }
+  for (int row = 0; row < wall.rows; ++row) {
+    for (int column = 0; column < wall.columns; ++column) {
+      const Eigen::Vector2d at = wall.corner + cell * Eigen::Vector2d(column + 0.5, row + 0.5);
+      bool in = true;
+      for (std::size_t i = 0; i < outline.size() && in; ++i) {
+        const Eigen::Vector2d edge = outline[(i + 1) % outline.size()] - outline[i];
+        const Eigen::Vector2d to = at - outline[i];
+        in = (edge.x() * to.y() - edge.y() * to.x()) * turn >= 0;
+      }
+      wall.inside[static_cast<std::size_t>(row) * static_cast<std::size_t>(wall.columns) + static_cast<std::size_t>(column)] = in ? 1 : 0;
+    }
+  }
+  return wall;
+}
+
+struct Hole {
+  std::uint32_t wall = 0;
+  std::vector<std::uint32_t> cells{};
+  bool reaches_floor = true;
+  int depth = 0;  // of the mirror behind the wall's face, in steps
+  bool mirrors = false;
+  std::vector<Eigen::Vector3f> beyond{};  // points seen through it, every `stride`-th
+  std::size_t stride = 1;
+  std::size_t count = 0;
+
+  void sample(const Eigen::Vector3d& p) {
+    if (count++ % stride != 0) return;
+    beyond.push_back(p.cast<float>());
+    if (beyond.size() < 2 * most_samples) return;
+    for (std::size_t i = 0; i < most_samples; ++i) beyond[i] = beyond[2 * i];
+    beyond.resize(most_samples);
+    stride *= 2;
+  }
+};
+
+// Cells that rays pass, side by side.
+std::vector<Hole> holes_of(std::vector<Wall>& walls) {
+  std::vector<Hole> holes;
+  for (std::uint32_t w = 0; w < walls.size(); ++w) {
+    Wall& wall = walls[w];
+    for (std::uint32_t first = 0; first < wall.hole.size(); ++first) {
+      if (wall.passes[first] < least_rays || wall.hole[first] >= 0) continue;
+      Hole hole;
+      hole.wall = w;
+      hole.cells.push_back(first);
+      wall.hole[first] = static_cast<int>(holes.size());
+      for (std::size_t k = 0; k < hole.cells.size(); ++k) {
+        const int column = static_cast<int>(hole.cells[k]) % wall.columns;
+        const int row = static_cast<int>(hole.cells[k]) / wall.columns;
+        for (int r = std::max(0, row - 1); r <= std::min(wall.rows - 1, row + 1); ++r) {
+          for (int c = std::max(0, column - 1); c <= std::min(wall.columns - 1, column + 1); ++c) {
+            const auto i = static_cast<std::uint32_t>(r * wall.columns + c);
+            if (wall.passes[i] < least_rays || wall.hole[i] >= 0) continue;
+            wall.hole[i] = static_cast<int>(holes.size());
+            hole.cells.push_back(i);
+          }
+        }
+      }
+      int lowest = wall.rows;
+      for (const std::uint32_t i : hole.cells) {
+        lowest = std::min(lowest, static_cast<int>(i) / wall.columns);
+      }
+      const double bottom = (wall.corner.y() + cell * lowest) / std::max(0.5, wall.up.z());
+      hole.reaches_floor = bottom - wall.floor < sill;
+      holes.push_back(std::move(hole));
+    }
+  }
+  return holes;
+}
+
+// Where a ray meets a wall.
+struct Meeting {
+  std::uint32_t wall;
+  std::uint32_t cell;
+};
+
+// A point, map frame, and the walls that its ray passes or ends on.
+struct Sight {
+  Eigen::Vector3d p;
+  std::vector<Meeting> through;
+  std::vector<Meeting> on;
+};
+
+// Calls `visit(sight)` with every point of every keyframe.
+template <class Visit>
+void visit_sights(const GraphSnapshot& snapshot, const Pose& T_base_lidar, const std::vector<Wall>& walls, const Visit& visit) {
+  std::vector<std::uint32_t> facing;
+  Sight sight;
+  for (const auto& [id, keyframe] : snapshot.keyframes) {
+    const CloudPtr cloud = keyframe.cloud.get();
+    if (!cloud) continue;
+    const Pose T_map_lidar = keyframe.T_map_base * T_base_lidar;
+    const RayOrigins origins(*cloud, T_map_lidar);
+    const Eigen::Matrix3d rotation = T_map_lidar.matrix();
+    facing.clear();
+    for (std::uint32_t w = 0; w < walls.size(); ++w) {
+      const bool before = walls[w].plane.distance(T_map_lidar.translation) > behind;
+      if (before && walls[w].box.exteriorDistance(T_map_lidar.translation) < reach) facing.push_back(w);
+    }
+    for (const Point& point : cloud->points) {
+      if (!finite(point)) continue;
+      sight.p = rotation * point.position().cast<double>() + T_map_lidar.translation;
+      if (!(sight.p.cwiseAbs().maxCoeff() < farthest)) continue;
+      sight.through.clear();
+      sight.on.clear();
+      for (const std::uint32_t w : facing) {
+        const Wall& wall = walls[w];
+        const double s = wall.plane.distance(sight.p);
+        if (s > on_wall) continue;
+        if (s > -on_wall) {
+          if (const auto i = wall.cell_at(sight.p)) sight.on.push_back({w, *i});
+          continue;
+        }
+        if (s > -behind) continue;
+        const Eigen::Vector3d& eye = origins.of(point);
+        const double before = wall.plane.distance(eye);
+        if (before < behind) continue;
+        if (const auto i = wall.cell_at(eye + before / (before - s) * (sight.p - eye))) sight.through.push_back({w, *i});
+      }
+      visit(sight);
+    }
+  }
+}
+
+// How low the floor lies beside each wall, by the keyframes near it.
+void find_floors(const GraphSnapshot& snapshot, const Pose& T_base_lidar, std::vector<Wall>& walls) {
+  constexpr double near = 5;  // [m]
+  for (const auto& [id, keyframe] : snapshot.keyframes) {
+    const Eigen::Vector3d at = (keyframe.T_map_base * T_base_lidar).translation;
+    const auto floor = floor_below(snapshot, keyframe, T_base_lidar);
+    if (!floor) continue;
+    for (Wall& wall : walls) {
+      if (wall.plane.distance(at) > 0 && wall.box.exteriorDistance(at) < near) wall.floor = std::min(wall.floor, at.z() - floor->distance(at));
+    }
+  }
+}
+
+// Decides whether a hole mirrors, and at which depth.
+void judge(const Wall& wall, const Seen& seen, Hole& hole) {
+  if (hole.beyond.size() < least_images) return;
+  std::size_t most = 0;
+  for (int depth = 0; depth < depths; ++depth) {
+    std::size_t found = 0;
+    for (const Eigen::Vector3f& point : hole.beyond) {
+      const Eigen::Vector3d p = point.cast<double>();
+      found += seen.near(p - 2 * (wall.plane.distance(p) + depth_step * depth) * wall.plane.normal) ? 1 : 0;
+    }
+    if (found > most) {
+      most = found;
+      hole.depth = depth;
+    }
+  }
+  if (static_cast<double>(most) < (hole.reaches_floor ? mirrored_door : mirrored_share) * static_cast<double>(hole.beyond.size())) return;
+  const auto returns = std::count_if(hole.cells.begin(), hole.cells.end(), [&](std::uint32_t i) { return wall.returns[i] >> hole.depth & 1; });
+  hole.mirrors = !hole.reaches_floor || static_cast<double>(returns) >= pane_returns * static_cast<double>(hole.cells.size());
+}
+
+}  // namespace
+
+MirrorImages::MirrorImages(const GraphSnapshot& snapshot, const Pose& T_base_lidar) {
+  std::vector<Wall> walls;
+  for (const auto& [id, plane] : snapshot.planes) {
+    if (auto wall = wall_of(plane)) walls.push_back(*std::move(wall));
+  }
+  if (walls.empty()) return;
+  find_floors(snapshot, T_base_lidar, walls);
+
+  Seen seen;  // but through holes that mirror
+  visit_sights(snapshot, T_base_lidar, walls, [&](const Sight& sight) {
+    for (const Meeting& m : sight.on) walls[m.wall].returns[m.cell] |= 1;
+    for (const Meeting& m : sight.through) {
+      std::uint16_t& passes = walls[m.wall].passes[m.cell];
+      if (passes < least_rays) ++passes;
+    }
+    if (sight.through.empty()) seen.add(sight.p);
+  });
+
+  std::vector<Hole> holes = holes_of(walls);
+  if (holes.empty()) return;
+  visit_sights(snapshot, T_base_lidar, walls, [&](const Sight& sight) {
+    bool through_a_hole = false;
+    for (const Meeting& m : sight.through) {
+      Wall& wall = walls[m.wall];
+      const int hole = wall.hole[m.cell];
+      if (hole < 0) continue;
+      through_a_hole = true;
+      const double s = wall.plane.distance(sight.p);
+      for (int depth = 0; depth < depths; ++depth) {
+        if (std::abs(s + depth_step * depth) < on_wall) wall.returns[m.cell] = static_cast<std::uint8_t>(wall.returns[m.cell] | 1 << depth);
+      }
+      if (s < -depth_step * (depths - 1) - behind) holes[static_cast<std::size_t>(hole)].sample(sight.p);
+    }
+    if (!sight.through.empty() && !through_a_hole) seen.add(sight.p);
+  });
+  seen.settle();
+  for (Hole& hole : holes) {
+    judge(walls[hole.wall], seen, hole);
+    holes_ += hole.mirrors ? 1 : 0;
+    hole.beyond.clear();
+    hole.beyond.shrink_to_fit();
+  }
+  if (holes_ == 0) return;
+
+  // What is seen through any other hole is there, and so is the pane.
+  std::vector<std::pair<std::uint64_t, Eigen::Vector3f>> candidates;
+  std::size_t settled = 0;
+  const auto settle = [&] {
+    std::stable_sort(candidates.begin(), candidates.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
+    candidates.erase(std::unique(candidates.begin(), candidates.end(), [](const auto& a, const auto& b) { return a.first == b.first; }),
+                     candidates.end());
+    settled = candidates.size();
+  };
+  visit_sights(snapshot, T_base_lidar, walls, [&](const Sight& sight) {
+    if (sight.through.empty()) return;
+    const bool is_image = std::any_of(sight.through.begin(), sight.through.end(), [&](const Meeting& m) {
+      const int i = walls[m.wall].hole[m.cell];
+      if (i < 0) return false;
+      const Hole& hole = holes[static_cast<std::size_t>(i)];
+      return hole.mirrors && walls[m.wall].plane.distance(sight.p) + depth_step * hole.depth < -behind;
+    });
+    if (!is_image) {
+      seen.add(sight.p);
+      return;
+    }
+    candidates.emplace_back(key_of(sight.p), sight.p.cast<float>());
+    if (candidates.size() > 2 * settled + 100'000) settle();
+  });
+  seen.settle();
+  settle();
+  for (const auto& [voxel_key, p] : candidates) {
+    if (!seen.near(p.cast<double>())) images_.push_back(voxel_key);
+  }
+}
+
+bool MirrorImages::operator()(const Eigen::Vector3d& p_map) const {
+  if (!(p_map.cwiseAbs().maxCoeff() < farthest)) return false;  // false for NaN
+  return std::binary_search(images_.begin(), images_.end(), key_of(p_map));
+}
+
+}  // namespace sgraph

@@ -1,0 +1,143 @@
+#include "sgraph_slam/core/io/mirror_images.hpp"
+
+#include <cmath>
+#include <functional>
+#include <limits>
+
+#include <gtest/gtest.h>
+
+#include "sgraph_slam/core/io/map_cloud.hpp"
+
+namespace sgraph {
+namespace {
+
+using Eigen::Vector3d;
+
+// A room of 6 x 4 x 2.5 m about the origin with a door in its wall at x = 3 to a room like it, and a window in its wall at y = 2.
+const Vector3d low(-3, -2, 0);
+const Vector3d high(3, 2, 2.5);
+constexpr double door_depth = 0.1;
+constexpr double pane = 2.1;  // y
+
+bool in_window(const Vector3d& p) { return std::abs(p.x()) < 0.7 && p.z() > 0.9 && p.z() < 2.0; }
+bool in_door(const Vector3d& p) { return std::abs(p.y()) < 0.5 && p.z() < 2.0; }
+
+// Where a ray from within the box leaves it.
+double leaves(const Vector3d& eye, const Vector3d& direction, const Vector3d& least, const Vector3d& most) {
+  double nearest = std::numeric_limits<double>::infinity();
+  for (int k = 0; k < 3; ++k) {
+    if (std::abs(direction[k]) < 1e-9) continue;
+    nearest = std::min(nearest, ((direction[k] > 0 ? most[k] : least[k]) - eye[k]) / direction[k]);
+  }
+  return nearest;
+}
+
+enum class Window { mirrors, shows_the_yard };
+
+// Range that the LiDAR reports along a ray.
+double range(const Vector3d& eye, const Vector3d& direction, Window window) {
+  const double first = leaves(eye, direction, low, high);
+  const Vector3d at = eye + first * direction;
+  if (at.x() > high.x() - 1e-6 && in_door(at)) {
+    const Vector3d shift(6 + door_depth, 0, 0);
+    const double through = (high.x() + door_depth + 1e-6 - eye.x()) / direction.x();
+    const Vector3d entered = eye + through * direction;
+    return in_door(entered) ? through + leaves(entered, direction, low + shift, high + shift) : first;
+  }
+  if (at.y() > high.y() - 1e-6 && in_window(at)) {
+    const double to_pane = (pane - eye.y()) / direction.y();
+    if (std::abs(direction.y()) > 0.99) return to_pane;  // head-on
+    if (window == Window::shows_the_yard) return direction.z() < -0.05 ? (-1 - eye.z()) / direction.z() : to_pane + 7 / direction.y();
+    const Vector3d mirrored(direction.x(), -direction.y(), direction.z());
+    const Vector3d on_pane = eye + to_pane * direction;
+    const Vector3d back = on_pane + (on_pane.y() - high.y() + 1e-6) / direction.y() * mirrored;
+    return to_pane + (on_pane - back).norm() + leaves(back, mirrored, low, high);
+  }
+  return first;
+}
+
+CloudPtr scan(const Vector3d& eye, Window window) {
+  auto cloud = std::make_shared<Cloud>();
+  for (int ring = -25; ring <= 25; ++ring) {
+    for (int step = 0; step < 720; ++step) {
+      const double azimuth = step * M_PI / 360;
+      const double elevation = 0.016 * ring;
+      const Vector3d direction(std::cos(elevation) * std::cos(azimuth), std::cos(elevation) * std::sin(azimuth), std::sin(elevation));
+      Point point;
+      point.set_position((range(eye, direction, window) * direction).cast<float>());
+      cloud->points.push_back(point);
+    }
+  }
+  return cloud;
+}
+
+void add_plane(GraphSnapshot& snapshot, const Vector3d& normal, double d, const std::vector<Vector3d>& corners) {
+  ScenePlane plane;
+  plane.id = {static_cast<std::int64_t>(snapshot.planes.size())};
+  plane.plane = {normal, d};
+  plane.plane_class = std::abs(normal.z()) > 0.5 ? PlaneClass::horizontal : PlaneClass::x;
+  plane.extent = corners;
+  for (const auto& [id, keyframe] : snapshot.keyframes) plane.keyframes.insert(id);
+  snapshot.planes[plane.id] = plane;
+}
+
+GraphSnapshot seen(Window window) {
+  GraphSnapshot snapshot;
+  for (const Vector3d& eye : {Vector3d(-1.5, -1, 1), Vector3d(0.5, -0.8, 1), Vector3d(1.0, 0.6, 1), Vector3d(-1.2, 0.9, 1)}) {
+    SceneKeyframe keyframe;
+    keyframe.id = {static_cast<std::int64_t>(snapshot.keyframes.size())};
+    keyframe.T_map_base = {Eigen::Quaterniond::Identity(), eye};
+    keyframe.cloud = scan(eye, window);
+    snapshot.keyframes[keyframe.id] = keyframe;
+  }
+  add_plane(snapshot, {0, 0, 1}, 0, {{-3, -2, 0}, {3, -2, 0}, {3, 2, 0}, {-3, 2, 0}});
+  add_plane(snapshot, {0, -1, 0}, 2, {{3, 2, 0}, {-3, 2, 0}, {-3, 2, 2.2}, {3, 2, 2.2}});
+  add_plane(snapshot, {-1, 0, 0}, 3, {{3, -2, 0}, {3, 2, 0}, {3, 2, 2.2}, {3, -2, 2.2}});
+  return snapshot;
+}
+
+int count(const Cloud& cloud, const std::function<bool(const Vector3d&)>& which) {
+  int n = 0;
+  for (const Point& point : cloud.points) n += which(point.position().cast<double>());
+  return n;
+}
+
+TEST(MirrorImages, TheRoomBehindAWindowIsNotInTheMap) {
+  const GraphSnapshot snapshot = seen(Window::mirrors);
+  const MirrorImages images(snapshot, {});
+  EXPECT_GE(images.holes(), 1);
+  const Cloud all = map_cloud(snapshot, {}, 0);
+  const Cloud cleaned = map_cloud(snapshot, {}, 0, std::cref(images));
+  const auto behind_the_window = [](const Vector3d& p) { return p.y() > pane + 0.2 && std::abs(p.x()) < 3; };
+  EXPECT_GT(count(all, behind_the_window), 1000);
+  EXPECT_EQ(count(cleaned, behind_the_window), 0);
+  // All else stays, the pane too, and the room behind the door, which nobody entered and which looks like the one before it.
+  const auto elsewhere = [](const Vector3d& p) { return p.y() < pane + 0.1; };
+  EXPECT_EQ(count(cleaned, elsewhere), count(all, elsewhere));
+  EXPECT_GT(count(cleaned, [](const Vector3d& p) { return p.x() > 3.2; }), 500);
+  EXPECT_GT(count(cleaned, [](const Vector3d& p) { return std::abs(p.y() - pane) < 0.01; }), 10);
+}
+
+TEST(MirrorImages, WhatIsThereBehindAWindowStays) {
+  const GraphSnapshot snapshot = seen(Window::shows_the_yard);
+  const MirrorImages images(snapshot, {});
+  EXPECT_EQ(images.holes(), 0);
+  EXPECT_EQ(map_cloud(snapshot, {}, 0, std::cref(images)).size(), map_cloud(snapshot, {}, 0).size());
+}
+
+TEST(MirrorImages, AwkwardMapsAreNoTrouble) {
+  const MirrorImages nothing({}, {});
+  EXPECT_FALSE(nothing({0, 0, 0}));
+  EXPECT_FALSE(nothing({NAN, 0, 0}));
+  EXPECT_FALSE(nothing({0, 0, 1e30}));
+  GraphSnapshot snapshot = seen(Window::mirrors);
+  auto cloud = std::make_shared<Cloud>(*snapshot.keyframes.at({0}).cloud.get());
+  cloud->points.push_back({NAN, 0, 0});
+  cloud->points.push_back({1e30F, -1e30F, 1e30F});
+  snapshot.keyframes.at({0}).cloud = cloud;
+  add_plane(snapshot, {0, 1, 0}, 2, {{1e6, -2, 0}, {-1e6, -2, 0}, {-1e6, -2, 1e6}, {1e6, -2, 1e6}});
+  EXPECT_GE(MirrorImages(snapshot, {}).holes(), 1);
+}
+
+}  // namespace
+}  // namespace sgraph
