@@ -62,11 +62,12 @@ void map(const std::string& name, const std::vector<LocatedKeyframe>& seen, cons
     if (std::getenv("SGRAPH_SHOW") != nullptr)
       std::printf("  %s %s: %s\n", decision.what.c_str(), decision.accepted ? "accepted" : "refused", decision.reason.c_str());
   }
-  std::printf("%s: odometry %.3f m, graph %.3f m (largest %.3f); loops accepted %d, refused %d; %zu planes\n", name.c_str(), ate(odometry).rmse,
+  std::printf("- %s: odometry %.3f m, graph %.3f m (largest %.3f); loops accepted %d, refused %d; %zu planes\n", name.c_str(), ate(odometry).rmse,
               ate(estimate).rmse, ate(estimate).max, accepted, refused, result->planes.size());
 }
 
 int run(const std::string& folder, double scale, double heading) {
+  std::setvbuf(stdout, nullptr, _IOLBF, 0);  // a line as soon as it is known
   const StoredMap stored = read_map(folder + "/map.sgmap", Clouds::all);
   const Trajectory truth = read_tum(folder + "/ground_truth.tum");
   const Pose T_base_lidar = stored.sessions.begin()->second.T_base_lidar;
