@@ -77,6 +77,41 @@ bool read_outline(const Message& message, Place& place) {
   return true;
 }
 
+using Corners = std::vector<Eigen::Vector2d>;
+
+std::vector<geometry_msgs::Polygon> holes_to_message(const std::vector<Corners>& holes) {
+  std::vector<geometry_msgs::Polygon> messages;
+  for (const Corners& hole : holes) {
+    geometry_msgs::Polygon& message = messages.emplace_back();
+    for (const Eigen::Vector2d& corner : hole) {
+      geometry_msgs::Point32& point = message.points.emplace_back();
+      point.x = static_cast<float>(corner.x());
+      point.y = static_cast<float>(corner.y());
+    }
+  }
+  return messages;
+}
+
+/// False when it isn't good.
+bool read_holes(const std::vector<geometry_msgs::Polygon>& messages, std::vector<Corners>& holes) {
+  for (const geometry_msgs::Polygon& message : messages) {
+    Corners& hole = holes.emplace_back();
+    for (const geometry_msgs::Point32& point : message.points) {
+      if (!std::isfinite(point.x) || !std::isfinite(point.y)) return false;
+      hole.emplace_back(point.x, point.y);
+    }
+  }
+  return true;
+}
+
+sgraph_slam::SceneBranching to_message(const SceneBranching& branching) {
+  sgraph_slam::SceneBranching message;
+  message.parts = ids_of(branching.parts);
+  write_outline(branching, message);
+  message.holes = holes_to_message(branching.holes);
+  return message;
+}
+
 sgraph_slam::SceneDoor to_message(const SceneDoor& door) {
   sgraph_slam::SceneDoor message;
   message.id = door.id.value;
@@ -99,6 +134,7 @@ sgraph_slam::SceneRoom to_message(const SceneRoom& room) {
   message.yaw = room.yaw;
   message.planes = ids_of(room.planes);
   write_outline(room, message);
+  message.holes = holes_to_message(room.holes);
   return message;
 }
 
@@ -158,7 +194,7 @@ std::optional<SceneRoom> value_of(const sgraph_slam::SceneRoom& message) {
   room.planes = plane_ids(message.planes);
   const bool numbers = room.center.allFinite() && room.width.allFinite() && std::isfinite(room.yaw);
   const bool planes = room.planes.size() == 4 || room.width.isZero(0);
-  return numbers && planes && read_outline(message, room) ? std::optional(room) : std::nullopt;
+  return numbers && planes && read_outline(message, room) && read_holes(message.holes, room.holes) ? std::optional(room) : std::nullopt;
 }
 
 std::optional<SceneCorridor> value_of(const sgraph_slam::SceneCorridor& message) {
@@ -222,6 +258,7 @@ sgraph_slam::SceneGraph to_message(const GraphSnapshot& snapshot) {
   write(snapshot.corridors, message.corridors);
   for (const SceneOpening& opening : snapshot.openings) message.openings.push_back(to_message(opening));
   write(snapshot.doors, message.doors);
+  for (const SceneBranching& branching : snapshot.branchings) message.branchings.push_back(to_message(branching));
   for (const SceneStorey& storey : snapshot.storeys) {
     sgraph_slam::SceneStorey out;
     out.id = storey.id;
@@ -247,6 +284,11 @@ std::optional<GraphSnapshot> from_message(const sgraph_slam::SceneGraph& message
   for (const sgraph_slam::SceneOpening& opening : message.openings) {
     snapshot.openings.push_back({opening.from, opening.to, vector_of(opening.position)});
     if (!snapshot.openings.back().position.allFinite()) return {};
+  }
+  for (const sgraph_slam::SceneBranching& one : message.branchings) {
+    SceneBranching& branching = snapshot.branchings.emplace_back();
+    for (const std::int64_t id : one.parts) branching.parts.push_back({id});
+    if (!read_outline(one, branching) || !read_holes(one.holes, branching.holes)) return {};
   }
   for (const sgraph_slam::SceneStorey& storey : message.storeys) {
     if (!std::isfinite(storey.z) || !std::isfinite(storey.ceiling)) return {};

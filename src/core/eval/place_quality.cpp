@@ -95,10 +95,10 @@ void add_mapped(const json& graph, const char* key, const char* kind, std::vecto
     MappedPlace place;
     place.id = id_of(j, i);
     place.kind = j.value("kind", kind);
-    const json& center = j.at("center");
+    const json center = j.value("center", json::array({0.0, 0.0}));
     if (j.contains("polygon") && j.at("polygon").size() >= 3) {
       place.area = area_from(j);
-      place.z_known = graph.contains("storeys");
+      place.z_known = graph.contains("storeys") && center.size() > 2;
     } else {
       const std::vector<double> width = j.at("width").get<std::vector<double>>();
       const Eigen::Vector2d sides =
@@ -150,8 +150,12 @@ MappedPlaces read_mapped_places(const std::string& path) {
   try {
     const json graph = parsed(path);
     MappedPlaces result;
-    add_mapped(graph, "rooms", "room", result.places);
-    add_mapped(graph, "corridors", "corridor", result.places);
+    if (graph.contains("places")) {
+      add_mapped(graph, "places", "room", result.places);
+    } else {
+      add_mapped(graph, "rooms", "room", result.places);
+      add_mapped(graph, "corridors", "corridor", result.places);
+    }
     result.has_doors = graph.contains("doors");
     const json doors = graph.value("doors", json::array());
     for (std::size_t i = 0; i < doors.size(); ++i) {

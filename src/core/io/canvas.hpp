@@ -23,6 +23,8 @@ class Canvas {
   virtual ~Canvas() = default;
 
   virtual void fill(const Points& polygon, Color color) = 0;
+  /// An outline without what lies in the loops after it.
+  virtual void fill_without_holes(const std::vector<Points>& loops, Color color) = 0;
   /// Many small polygons of one colour.
   virtual void fill_all(const std::vector<Points>& polygons, Color color) = 0;
   virtual void line(const Points& points, Color color, double width) = 0;

@@ -3,6 +3,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <set>
 
 #include "sgraph_slam/core/math/signed_area.hpp"
 
@@ -88,6 +89,30 @@ DrawnPlace place(const std::string& name, const Eigen::Vector3d& center, const E
   return place;
 }
 
+DrawnPlace with_holes(DrawnPlace place, const std::vector<std::vector<Eigen::Vector2d>>& holes) {
+  place.holes = holes;
+  for (const auto& hole : holes) place.area -= std::abs(signed_area(hole));
+  return place;
+}
+
+// Where a corridor's name does not lie in another one that crosses it.
+Eigen::Vector2d label_beside_crossings(const SceneCorridor& corridor, const std::map<CorridorId, SceneCorridor>& all) {
+  const auto crossed = [&](const Eigen::Vector2d& p) {
+    return std::any_of(all.begin(), all.end(), [&](const auto& entry) {
+      const SceneCorridor& other = entry.second;
+      const Eigen::Vector2d off = Eigen::Rotation2Dd(-other.yaw) * (p - other.center.template head<2>());
+      constexpr double margin = 1.0;  // half a name [m]
+      return other.id != corridor.id && std::abs(off.x()) < 0.5 * other.length + margin && std::abs(off.y()) < 0.5 * other.width + margin;
+    });
+  };
+  const Eigen::Vector2d along(std::cos(corridor.yaw), std::sin(corridor.yaw));
+  for (const double share : {0.0, 0.25, -0.25, 0.125, -0.125, 0.375, -0.375}) {
+    const Eigen::Vector2d p = corridor.center.head<2>() + share * corridor.length * along;
+    if (!crossed(p)) return p;
+  }
+  return corridor.center.head<2>();
+}
+
 // The cells of one kind, neighbours in a row joined.
 std::vector<Segment2d> rows_of(const OccupancyGrid& grid, std::int8_t kind) {
   std::vector<Segment2d> rows;
@@ -115,13 +140,22 @@ FloorPlan make_floor_plan(const GraphSnapshot& snapshot, const OccupancyGrid& gr
   plan.obstacles = rows_of(grid, OccupancyGrid::occupied);
   plan.free = rows_of(grid, OccupancyGrid::free);
   plan.walls = walls_of(snapshot, grid, !plan.obstacles.empty());
+  std::set<CorridorId> parts;
+  for (const SceneBranching& branching : snapshot.branchings) {
+    parts.insert(branching.parts.begin(), branching.parts.end());
+    plan.places.push_back(with_holes(place("", Eigen::Vector3d::Zero(), Eigen::Vector2d::Zero(), 0, branching.polygon), branching.holes));
+    plan.places.back().corridor = true;
+  }
   for (const auto& [id, corridor] : snapshot.corridors) {
     plan.places.push_back(
         place("Corridor " + std::to_string(id.value), corridor.center, {corridor.length, corridor.width}, corridor.yaw, corridor.polygon));
     plan.places.back().corridor = true;
+    if (parts.count(id) == 0) continue;
+    plan.places.back().part = true;
+    plan.places.back().center = label_beside_crossings(corridor, snapshot.corridors);
   }
   for (const auto& [id, room] : snapshot.rooms)
-    plan.places.push_back(place("Room " + std::to_string(id.value), room.center, room.width, room.yaw, room.polygon));
+    plan.places.push_back(with_holes(place("Room " + std::to_string(id.value), room.center, room.width, room.yaw, room.polygon), room.holes));
   for (const auto& [id, door] : snapshot.doors)
     plan.doors.push_back({"Door " + std::to_string(id.value), door.position.head<2>(), door.yaw, door.width, door.height});
   for (const StampedPose& pose : path) plan.path.push_back(pose.pose.translation.head<2>());

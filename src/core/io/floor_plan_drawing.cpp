@@ -121,7 +121,14 @@ void draw_walls(Canvas& canvas, const Layout& layout, const FloorPlan& plan) {
   }
 }
 
+Canvas::Points on_page(const Layout& layout, const std::vector<Eigen::Vector2d>& corners) {
+  Canvas::Points points;
+  for (const auto& corner : corners) points.push_back(layout(corner));
+  return points;
+}
+
 void draw_label(Canvas& canvas, const Layout& layout, const DrawnPlace& place) {
+  if (place.name.empty()) return;
   Eigen::AlignedBox2d box;
   for (const auto& corner : place.outline) box.extend(layout(corner));
   const bool rectangle = place.size.x() > 0;
@@ -196,8 +203,9 @@ void draw_axes(Canvas& canvas, const Layout& layout) {
 }
 
 void draw_title(Canvas& canvas, const Layout& layout, const FloorPlan& plan) {
-  const auto corridors = std::count_if(plan.places.begin(), plan.places.end(), [](const DrawnPlace& place) { return place.corridor; });
-  const auto rooms = static_cast<std::ptrdiff_t>(plan.places.size()) - corridors;
+  const auto corridors =
+      std::count_if(plan.places.begin(), plan.places.end(), [](const DrawnPlace& place) { return place.corridor && !place.name.empty(); });
+  const auto rooms = std::count_if(plan.places.begin(), plan.places.end(), [](const DrawnPlace& place) { return !place.corridor; });
   double length = 0;
   for (std::size_t i = 1; i < plan.path.size(); ++i) length += (plan.path[i] - plan.path[i - 1]).norm();
   char text[128];
@@ -220,11 +228,15 @@ std::string draw(const FloorPlan& plan, std::unique_ptr<Canvas> (*make)(int, int
   draw_cells(*canvas, layout, plan.free, plan.cell, free_fill);
   std::size_t room = 0;
   for (const DrawnPlace& place : plan.places) {
-    Canvas::Points outline;
-    for (const auto& corner : place.outline) outline.push_back(layout(corner));
-    canvas->fill(outline, place.corridor ? corridor_fill : room_fills[room++ % std::size(room_fills)]);
-    outline.push_back(outline.front());
-    canvas->line(outline, outline_ink, 1.2);
+    if (place.part) continue;
+    std::vector<Canvas::Points> loops{on_page(layout, place.outline)};
+    for (const auto& hole : place.holes) loops.push_back(on_page(layout, hole));
+    canvas->fill_without_holes(loops, place.corridor ? corridor_fill : room_fills[room++ % std::size(room_fills)]);
+    for (Canvas::Points& loop : loops) {
+      if (loop.empty()) continue;
+      loop.push_back(loop.front());
+      canvas->line(loop, outline_ink, 1.2);
+    }
   }
   draw_cells(*canvas, layout, plan.obstacles, plan.cell, obstacle_ink);
   draw_walls(*canvas, layout, plan);

@@ -93,14 +93,19 @@ bool inside_a_place(const FloorPlan& plan, const Eigen::Vector2d& p) {
   for (const DrawnPlace& place : plan.places) {
     bool inside = false;
     double least = HUGE_VAL;
-    for (std::size_t i = 0; i < place.outline.size(); ++i) {
-      const Eigen::Vector2d& a = place.outline[i];
-      const Eigen::Vector2d& b = place.outline[(i + 1) % place.outline.size()];
-      if ((a.y() > p.y()) != (b.y() > p.y()) && p.x() < a.x() + (p.y() - a.y()) / (b.y() - a.y()) * (b.x() - a.x())) inside = !inside;
-      const double length2 = (b - a).squaredNorm();
-      const double t = length2 > 0 ? std::clamp((p - a).dot(b - a) / length2, 0.0, 1.0) : 0;
-      least = std::min(least, (p - a - t * (b - a)).norm());
-    }
+    const auto look_at = [&](const std::vector<Eigen::Vector2d>& loop) {
+      for (std::size_t i = 0; i < loop.size(); ++i) {
+        const Eigen::Vector2d& a = loop[i];
+        const Eigen::Vector2d& b = loop[(i + 1) % loop.size()];
+        if ((a.y() > p.y()) != (b.y() > p.y()) && p.x() < a.x() + (p.y() - a.y()) / (b.y() - a.y()) * (b.x() - a.x())) inside = !inside;
+        const double length2 = (b - a).squaredNorm();
+        const double t = length2 > 0 ? std::clamp((p - a).dot(b - a) / length2, 0.0, 1.0) : 0;
+        least = std::min(least, (p - a - t * (b - a)).norm());
+      }
+    };
+    if (place.part) continue;
+    look_at(place.outline);
+    for (const auto& hole : place.holes) look_at(hole);
     if (inside && least > beside_outline) return true;
   }
   return false;
@@ -148,7 +153,11 @@ void add_doors(const FloorPlan& plan, Dxf& dxf) {
 
 void add_places(const FloorPlan& plan, Dxf& dxf) {
   for (const DrawnPlace& place : plan.places) {
-    dxf.outline("PLACES", place.outline);
+    if (!place.part) {
+      dxf.outline("PLACES", place.outline);
+      for (const auto& hole : place.holes) dxf.outline("PLACES", hole);
+    }
+    if (place.name.empty()) continue;
     dxf.label("LABELS", place.center + Eigen::Vector2d(0, 0.15), 0.3, place.name);
     std::string size = fixed(place.area) + " m2";
     if (place.size.x() > 0) size += ", " + fixed(place.size.x()) + " x " + fixed(place.size.y()) + " m";

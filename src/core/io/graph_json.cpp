@@ -1,6 +1,8 @@
 #include "sgraph_slam/core/io/graph_json.hpp"
 
+#include <cmath>
 #include <nlohmann/json.hpp>
+#include <set>
 #include <stdexcept>
 
 #include "sgraph_slam/core/math/signed_area.hpp"
@@ -70,13 +72,28 @@ Json to_json(const SceneSide& side) {
   return {{"unknown", true}};
 }
 
+const std::vector<std::vector<Eigen::Vector2d>>& holes_of(const SceneRoom& room) { return room.holes; }
+const std::vector<std::vector<Eigen::Vector2d>>& holes_of(const SceneBranching& branching) { return branching.holes; }
+const std::vector<std::vector<Eigen::Vector2d>>& holes_of(const SceneCorridor&) {
+  static const std::vector<std::vector<Eigen::Vector2d>> none;
+  return none;
+}
+
 template <class Place>
 void add_outline(const Place& place, const char* kind, Json& json) {
+  double area = signed_area(place.polygon);
+  for (const auto& hole : holes_of(place)) area -= std::abs(signed_area(hole));
   json["kind"] = kind;
-  json["area"] = signed_area(place.polygon);
+  json["area"] = area;
   json["complete"] = is_complete(place.edges);
   json["polygon"] = Json::array();
   for (const Eigen::Vector2d& corner : place.polygon) json["polygon"].push_back(numbers(corner));
+  if (!holes_of(place).empty()) json["holes"] = Json::array();
+  for (const auto& hole : holes_of(place)) {
+    Json corners = Json::array();
+    for (const Eigen::Vector2d& corner : hole) corners.push_back(numbers(corner));
+    json["holes"].push_back(corners);
+  }
   json["edges"] = Json::array();
   for (const SceneSide& side : place.edges) json["edges"].push_back(to_json(side));
   json["storey"] = place.storey;
@@ -106,6 +123,32 @@ Json to_json(const SceneStorey& storey) {
 }
 
 Json to_json(const SceneOpening& opening) { return {{"from", opening.from}, {"to", opening.to}, {"position", numbers(opening.position)}}; }
+
+// All pieces of floor, each once: rooms, corridors, and corridors that are one piece together under the name of the first.
+Json places_of(const GraphSnapshot& snapshot) {
+  Json places = Json::array();
+  const auto add = [&](const std::string& name, Json json) {
+    json["id"] = name;
+    places.push_back(std::move(json));
+  };
+  for (const auto& [id, room] : snapshot.rooms) add("room/" + std::to_string(id.value), to_json(room));
+  std::set<CorridorId> of_branchings;
+  for (const SceneBranching& branching : snapshot.branchings) of_branchings.insert(branching.parts.begin(), branching.parts.end());
+  for (const auto& [id, corridor] : snapshot.corridors) {
+    if (of_branchings.count(id) == 0) add("corridor/" + std::to_string(id.value), to_json(corridor));
+  }
+  for (const SceneBranching& branching : snapshot.branchings) {
+    if (branching.parts.empty()) continue;
+    const auto name = [](CorridorId id) { return "corridor/" + std::to_string(id.value); };
+    Json json = {{"id", name(branching.parts.front())}, {"parts", Json::array()}};
+    for (const CorridorId part : branching.parts) json["parts"].push_back(name(part));
+    const auto first = snapshot.corridors.find(branching.parts.front());
+    if (first != snapshot.corridors.end()) json["center"] = numbers(first->second.center);
+    add_outline(branching, "corridor", json);
+    places.push_back(std::move(json));
+  }
+  return places;
+}
 
 template <class Map>
 Json values(const Map& map) {
@@ -179,10 +222,14 @@ SceneSide side_from(const Json& json) {
 
 // Graphs written before places had outlines have none.
 template <class Place>
-void read_outline(const Json& json, Place& place) {
+void read_outline(const Json& json, Place& place, std::vector<std::vector<Eigen::Vector2d>>& holes) {
   if (!json.contains("polygon")) return;
   for (const Json& corner : json.at("polygon")) place.polygon.push_back(vector_from<2>(corner));
   for (const Json& side : json.at("edges")) place.edges.push_back(side_from(side));
+  for (const Json& hole : json.value("holes", Json::array())) {
+    auto& corners = holes.emplace_back();
+    for (const Json& corner : hole) corners.push_back(vector_from<2>(corner));
+  }
   if (place.edges.size() != place.polygon.size()) throw std::runtime_error("a place with another number of edges than corners");
   place.storey = static_cast<int>(integer_from(json.at("storey")));
 }
@@ -194,7 +241,7 @@ SceneRoom room_from(const Json& json) {
   if (!json.at("width").empty()) room.width = vector_from<2>(json.at("width"));
   room.yaw = json.at("yaw").get<double>();
   room.planes = ids_from<PlaneId>(json.at("planes"));
-  read_outline(json, room);
+  read_outline(json, room, room.holes);
   return room;
 }
 
@@ -206,8 +253,25 @@ SceneCorridor corridor_from(const Json& json) {
   corridor.yaw = json.at("yaw").get<double>();
   corridor.length = json.at("length").get<double>();
   corridor.planes = ids_from<PlaneId>(json.at("planes"));
-  read_outline(json, corridor);
+  std::vector<std::vector<Eigen::Vector2d>> none;
+  read_outline(json, corridor, none);
   return corridor;
+}
+
+CorridorId corridor_named(const std::string& name) {
+  const std::string prefix = "corridor/";
+  if (name.compare(0, prefix.size(), prefix) != 0) throw std::runtime_error("a part of a place that is no corridor: " + name);
+  return {integer_from(Json::parse(name.substr(prefix.size())))};
+}
+
+// Of "places" those that are not among rooms and corridors.
+void read_branchings(const Json& places, std::vector<SceneBranching>& branchings) {
+  for (const Json& place : places) {
+    if (!place.contains("parts")) continue;
+    SceneBranching& branching = branchings.emplace_back();
+    for (const Json& part : place.at("parts")) branching.parts.push_back(corridor_named(part.get<std::string>()));
+    read_outline(place, branching, branching.holes);
+  }
 }
 
 SceneDoor door_from(const Json& json) {
@@ -247,6 +311,7 @@ GraphSnapshot snapshot_from(const Json& json) {
   for (const Json& one : json.at("openings")) {
     snapshot.openings.push_back({one.at("from").get<std::string>(), one.at("to").get<std::string>(), vector_from<3>(one.at("position"))});
   }
+  read_branchings(json.value("places", Json::array()), snapshot.branchings);
   for (const Json& one : json.value("doors", Json::array())) insert(snapshot.doors, door_from(one));
   for (const Json& one : json.value("storeys", Json::array())) snapshot.storeys.push_back(storey_from(one));
   snapshot.factors_json = json.at("factors").dump();
@@ -269,6 +334,7 @@ std::string graph_json(const GraphSnapshot& snapshot) {
                      {"planes", values(snapshot.planes)},
                      {"rooms", values(snapshot.rooms)},
                      {"corridors", values(snapshot.corridors)},
+                     {"places", places_of(snapshot)},
                      {"openings", openings},
                      {"doors", values(snapshot.doors)},
                      {"storeys", storeys},

@@ -23,6 +23,12 @@ class PngCanvas : public Canvas {
     cv::fillPoly(image_, std::vector<std::vector<cv::Point>>{points}, bgr(color), cv::LINE_AA, shift);
   }
 
+  void fill_without_holes(const std::vector<Points>& loops, Color color) override {
+    std::vector<std::vector<cv::Point>> contours;
+    for (const Points& loop : loops) contours.push_back(fixed(loop));
+    cv::fillPoly(image_, contours, bgr(color), cv::LINE_AA, shift);
+  }
+
   void fill_all(const std::vector<Points>& polygons, Color color) override {
     for (const Points& polygon : polygons) fill(polygon, color);
   }

@@ -28,6 +28,12 @@ class SvgCanvas : public Canvas {
 
   void fill(const Points& polygon, Color color) override { fill_all({polygon}, color); }
 
+  void fill_without_holes(const std::vector<Points>& loops, Color color) override {
+    out_ << "<path fill-rule=\"evenodd\" fill=\"" << hex(color) << "\" d=\"";
+    for (const Points& loop : loops) path(loop, true);
+    out_ << "\"/>\n";
+  }
+
   void fill_all(const std::vector<Points>& polygons, Color color) override {
     if (polygons.empty()) return;
     out_ << "<path fill=\"" << hex(color) << "\" d=\"";

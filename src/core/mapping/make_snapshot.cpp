@@ -24,11 +24,11 @@ void add_planes(const MapState& state, bool with_observations, GraphSnapshot& sn
 }
 
 // A side that is mostly a gap is the door that lies in it, or an opening.
-std::vector<SceneSide> sides_of(const MapState& state, const FoundPlace& place, int storey) {
+std::vector<SceneSide> sides_of(const MapState& state, const PlaceOutline& outline, int storey) {
   std::vector<SceneSide> sides;
-  const Polygon2d& polygon = place.outline.polygon;
+  const Polygon2d& polygon = outline.polygon;
   for (std::size_t i = 0; i < polygon.size(); ++i) {
-    const PlaceSide& found = place.outline.sides[i];
+    const PlaceSide& found = outline.sides[i];
     SceneSide side;
     if (found.opening > 0.5) {
       side.kind = SceneSide::Kind::opening;
@@ -58,7 +58,8 @@ void add_room(const MapState& state, RoomId id, const PlaceRecord& record, Graph
   SceneRoom& scene = snapshot.rooms[id];
   scene.id = id;
   scene.polygon = record.place.outline.polygon;
-  scene.edges = sides_of(state, record.place, record.storey);
+  scene.edges = sides_of(state, record.place.outline, record.storey);
+  scene.holes = hole_polygons(record.place.outline);
   scene.storey = record.storey;
   const Room* room = state.graph.find(id);
   if (record.place.kind == PlaceKind::room && room != nullptr) {
@@ -89,9 +90,12 @@ void add_places(const MapState& state, GraphSnapshot& snapshot) {
     scene.length = record.place.area.size.x();
     scene.planes = {state.graph.representative(record.place.walls[0]), state.graph.representative(record.place.walls[1])};
     scene.polygon = record.place.outline.polygon;
-    scene.edges = sides_of(state, record.place, record.storey);
+    scene.edges = sides_of(state, record.place.outline, record.storey);
     scene.storey = record.storey;
   }
+  for (const BranchingRecord& record : state.layer.branchings())
+    snapshot.branchings.push_back(
+        {record.parts, record.outline.polygon, sides_of(state, record.outline, record.storey), record.storey, hole_polygons(record.outline)});
   for (const auto& [id, record] : state.layer.doors()) {
     const FoundDoor& door = record.door;
     snapshot.doors[id] = {id,       record.from, record.to,   {door.position.x(), door.position.y(), heights_of(state, record.storey).floor},

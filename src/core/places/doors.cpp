@@ -18,12 +18,26 @@ constexpr double lowest_lintel = 1.85;
 constexpr double highest_lintel = 3.5;
 
 // The places that hold a point, as a set of bits would be too small.
-std::vector<std::size_t> places_at(const std::vector<FoundPlace>& places, const Eigen::Vector2d& p) {
+std::vector<std::size_t> places_at(const FoundPlaces& all, const Eigen::Vector2d& p) {
   std::vector<std::size_t> found;
-  for (std::size_t i = 0; i < places.size(); ++i) {
-    if (contains(places[i].outline.polygon, p)) found.push_back(i);
+  for (std::size_t i = 0; i < all.places.size(); ++i) {
+    if (contains(all.places[i].outline, p)) found.push_back(i);
+  }
+  if (!found.empty()) return found;
+  // Between the corridors of a branching: the nearest.
+  for (const FoundBranching& branching : all.branchings) {
+    if (!contains(branching.outline, p)) continue;
+    const auto distance = [&](std::size_t i) { return distance_to_outline(all.places[i].outline.polygon, p); };
+    return {
+        *std::min_element(branching.parts.begin(), branching.parts.end(), [&](std::size_t a, std::size_t b) { return distance(a) < distance(b); })};
   }
   return found;
+}
+
+bool is_one_place(const FoundPlaces& all, std::size_t a, std::size_t b) {
+  const auto has = [](const std::vector<std::size_t>& parts, std::size_t i) { return std::count(parts.begin(), parts.end(), i) > 0; };
+  return a == b || std::any_of(all.branchings.begin(), all.branchings.end(),
+                               [&](const FoundBranching& branching) { return has(branching.parts, a) && has(branching.parts, b); });
 }
 
 struct Behind {
@@ -31,7 +45,7 @@ struct Behind {
   double depth = 0;  // of the wall, about
 };
 
-Behind behind(const std::vector<FoundPlace>& places, const WallLine& line, double along) {
+Behind behind(const FoundPlaces& places, const WallLine& line, double along) {
   for (double depth = 0.05; depth <= deepest; depth += 0.05) {
     std::vector<std::size_t> found = places_at(places, line.at(along) - (depth + 0.05) * line.normal);
     if (!found.empty()) return {std::move(found), depth};
@@ -46,7 +60,7 @@ double median(std::vector<double> values) {
 
 }  // namespace
 
-std::vector<FoundDoor> find_doors(const std::vector<WallLine>& lines, const std::vector<FoundPlace>& places, const PlaceParams& params) {
+std::vector<FoundDoor> find_doors(const std::vector<WallLine>& lines, const FoundPlaces& places, const PlaceParams& params) {
   std::vector<FoundDoor> doors;
   for (const WallLine& line : lines) {
     if (line.faces.empty()) continue;  // where a corridor ends, not a wall
@@ -56,8 +70,9 @@ std::vector<FoundDoor> find_doors(const std::vector<WallLine>& lines, const std:
       const std::vector<std::size_t> front = places_at(places, line.at(middle) + before_face * line.normal);
       const Behind back = behind(places, line, middle);
       if (front.empty() || back.places.empty()) continue;
-      const bool within_one =
-          std::any_of(front.begin(), front.end(), [&](std::size_t i) { return std::count(back.places.begin(), back.places.end(), i) > 0; });
+      const bool within_one = std::any_of(front.begin(), front.end(), [&](std::size_t i) {
+        return std::any_of(back.places.begin(), back.places.end(), [&](std::size_t k) { return is_one_place(places, i, k); });
+      });
       if (within_one) continue;
       FoundDoor door;
       const bool forth = front.front() < back.places.front();

@@ -5,6 +5,6 @@
 namespace sgraph {
 
 /// The openings of the lines that lead from one of the places into another.
-std::vector<FoundDoor> find_doors(const std::vector<WallLine>& lines, const std::vector<FoundPlace>& places, const PlaceParams& params);
+std::vector<FoundDoor> find_doors(const std::vector<WallLine>& lines, const FoundPlaces& places, const PlaceParams& params);
 
 }  // namespace sgraph

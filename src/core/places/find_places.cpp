@@ -15,6 +15,7 @@ constexpr double square = 0.1745;      // sides off the right angle by up to thi
 constexpr double one_line = 0.12;      // sides no further apart are of one line [m]
 constexpr double inside_share = 0.97;  // of a corridor piece within the outline
 constexpr double sample = 0.1;         // [m]
+constexpr double wider = 1.25;         // a hall is wider than the corridors that open into it by this factor
 
 Eigen::Vector2d left_of(const Eigen::Vector2d& v) { return {-v.y(), v.x()}; }
 double yaw_of(const Eigen::Vector2d& v) { return std::atan2(v.y(), v.x()); }
@@ -22,19 +23,35 @@ double yaw_of(const Eigen::Vector2d& v) { return std::atan2(v.y(), v.x()); }
 struct SideLine {
   Eigen::Vector2d from;
   Eigen::Vector2d to;
-  Eigen::Vector2d direction;  // counter-clockwise: the place is to its left
+  Eigen::Vector2d direction;  // the place is to its left
   double length = 0;
+  PlaceSide side;
 };
 
 std::vector<SideLine> sides_of(const Polygon2d& polygon) {
   std::vector<SideLine> sides;
   for (std::size_t i = 0; i < polygon.size(); ++i) {
-    SideLine side{polygon[i], polygon[(i + 1) % polygon.size()], Eigen::Vector2d::UnitX(), 0};
+    SideLine side{polygon[i], polygon[(i + 1) % polygon.size()], Eigen::Vector2d::UnitX(), 0, {}};
     side.length = (side.to - side.from).norm();
     if (side.length > 1e-9) side.direction = (side.to - side.from) / side.length;
     sides.push_back(side);
   }
   return sides;
+}
+
+// Those of the holes too.
+std::vector<SideLine> all_sides(const PlaceOutline& outline) {
+  std::vector<SideLine> all;
+  const auto add = [&](const PlaceLoop& loop) {
+    std::vector<SideLine> sides = sides_of(loop.polygon);
+    for (std::size_t i = 0; i < sides.size(); ++i) {
+      sides[i].side = loop.sides[i];
+      all.push_back(sides[i]);
+    }
+  };
+  add(outline);
+  for (const PlaceLoop& hole : outline.holes) add(hole);
+  return all;
 }
 
 const Wall* find_wall(const std::vector<Wall>& walls, PlaneId id) {
@@ -44,7 +61,7 @@ const Wall* find_wall(const std::vector<Wall>& walls, PlaneId id) {
 
 // Four sides, each on a face, at right angles within the tolerance.
 bool is_rectangle(const PlaceOutline& outline) {
-  if (outline.polygon.size() != 4) return false;
+  if (outline.polygon.size() != 4 || !outline.holes.empty()) return false;
   const std::vector<SideLine> sides = sides_of(outline.polygon);
   for (std::size_t i = 0; i < 4; ++i) {
     if (!outline.sides[i].plane.valid()) return false;
@@ -128,12 +145,19 @@ struct Piece {
   [[nodiscard]] Eigen::Vector2d at(double s, double t) const { return s * axis + t * left_of(axis); }
 };
 
+OrientedRectangle rectangle_of(const Piece& piece) {
+  return {piece.at(piece.along.center(), piece.across.center()), {piece.length(), piece.width()}, yaw_of(piece.axis)};
+}
+
+// A side that bounds more than it is merely where the seen floor ends.
+bool is_wall(const SideLine& side) { return side.side.plane.valid() && side.side.wall + side.side.opening >= 0.5; }
+
 // Where a side and those in line with it run, along an axis.
-Intervals run_of(const PlaceOutline& outline, const std::vector<SideLine>& sides, std::size_t index, const Eigen::Vector2d& axis, double max_gap) {
+Intervals run_of(const std::vector<SideLine>& sides, std::size_t index, const Eigen::Vector2d& axis, double max_gap) {
   Intervals parts;
   const Eigen::Vector2d inwards = left_of(sides[index].direction);
   for (std::size_t k = 0; k < sides.size(); ++k) {
-    if (sides[k].direction.dot(sides[index].direction) < std::cos(0.1) || !outline.sides[k].plane.valid()) continue;
+    if (sides[k].direction.dot(sides[index].direction) < std::cos(0.1) || !is_wall(sides[k])) continue;
     const Eigen::Vector2d middle = 0.5 * (sides[k].from + sides[k].to);
     if (std::abs(inwards.dot(middle - sides[index].from)) > one_line) continue;
     const double a = axis.dot(sides[k].from);
@@ -145,7 +169,7 @@ Intervals run_of(const PlaceOutline& outline, const std::vector<SideLine>& sides
 
 bool section_inside(const PlaceOutline& outline, const Piece& piece, double s) {
   for (const double share : {0.1, 0.3, 0.5, 0.7, 0.9}) {
-    if (!contains(outline.polygon, piece.at(s, piece.across.low + share * piece.across.length()))) return false;
+    if (!contains(outline, piece.at(s, piece.across.low + share * piece.across.length()))) return false;
   }
   return true;
 }
@@ -175,7 +199,7 @@ void reach_ends(const PlaceOutline& outline, Piece& piece, double most) {
     const Eigen::Vector2d middle = piece.at(0, piece.across.center());
     double exact = high ? end + way : end - way;
     double least = 2.5 * sample;
-    const std::vector<SideLine> sides = sides_of(outline.polygon);
+    const std::vector<SideLine> sides = all_sides(outline);
     for (const SideLine& side : sides) {
       if (std::abs(side.direction.dot(piece.axis)) > std::sin(square)) continue;
       const Eigen::Vector2d across = left_of(piece.axis);
@@ -193,19 +217,19 @@ void reach_ends(const PlaceOutline& outline, Piece& piece, double most) {
 }
 
 std::vector<Piece> corridor_pieces(const PlaceOutline& outline, const PlaceParams& params) {
-  const std::vector<SideLine> sides = sides_of(outline.polygon);
+  const std::vector<SideLine> sides = all_sides(outline);
   std::vector<Piece> found;
   for (std::size_t i = 0; i < sides.size(); ++i) {
     for (std::size_t k = 0; k < sides.size(); ++k) {
-      if (i == k || !outline.sides[i].plane.valid() || !outline.sides[k].plane.valid()) continue;
+      if (i == k || !is_wall(sides[i]) || !is_wall(sides[k])) continue;
       if (sides[i].direction.dot(sides[k].direction) > -std::cos(square)) continue;
       Piece piece;
       piece.axis = (sides[i].direction - sides[k].direction).normalized();
       if (yaw_of(piece.axis) > M_PI / 2 || yaw_of(piece.axis) <= -M_PI / 2) continue;  // the other order gives the other direction
       const Eigen::Vector2d across = left_of(piece.axis);
       piece.side = {i, k};
-      const Intervals right = run_of(outline, sides, i, piece.axis, params.max_corridor_gap);
-      const Intervals left = run_of(outline, sides, k, piece.axis, params.max_corridor_gap);
+      const Intervals right = run_of(sides, i, piece.axis, params.max_corridor_gap);
+      const Intervals left = run_of(sides, k, piece.axis, params.max_corridor_gap);
       for (const Interval& a : right) {
         for (const Interval& b : left) {
           piece.along = {std::max(a.low, b.low), std::min(a.high, b.high)};
@@ -230,11 +254,9 @@ std::vector<Piece> corridor_pieces(const PlaceOutline& outline, const PlaceParam
   // Sides in line give the same piece again.
   std::vector<Piece> distinct;
   for (const Piece& piece : found) {
-    const OrientedRectangle own{piece.at(piece.along.center(), piece.across.center()), {piece.length(), piece.width()}, yaw_of(piece.axis)};
-    const bool known = std::any_of(distinct.begin(), distinct.end(), [&](const Piece& other) {
-      const OrientedRectangle area{other.at(other.along.center(), other.across.center()), {other.length(), other.width()}, yaw_of(other.axis)};
-      return shared_area(own, area) > 0.5 * own.area();
-    });
+    const OrientedRectangle own = rectangle_of(piece);
+    const bool known =
+        std::any_of(distinct.begin(), distinct.end(), [&](const Piece& other) { return shared_area(own, rectangle_of(other)) > 0.5 * own.area(); });
     if (!known) distinct.push_back(piece);
   }
   return distinct;
@@ -273,10 +295,11 @@ std::optional<FoundPlace> corridor_place(const Piece& piece, const PlaceOutline&
   const Interval sides{across.middle - 0.5 * across.width, across.middle + 0.5 * across.width};
   place.outline.polygon = {piece.at(piece.along.low, sides.low), piece.at(piece.along.high, sides.low), piece.at(piece.along.high, sides.high),
                            piece.at(piece.along.low, sides.high)};
+  const std::vector<SideLine> side_lines = all_sides(outline);
   place.outline.sides.resize(4);
-  place.outline.sides[0] = outline.sides[piece.side[0]];
+  place.outline.sides[0] = side_lines[piece.side[0]].side;
   place.outline.sides[0].plane = right->id;
-  place.outline.sides[2] = outline.sides[piece.side[1]];
+  place.outline.sides[2] = side_lines[piece.side[1]].side;
   place.outline.sides[2].plane = left->id;
   for (const bool high : {false, true}) {
     PlaceSide& end = place.outline.sides[high ? 1 : 3];
@@ -286,14 +309,14 @@ std::optional<FoundPlace> corridor_place(const Piece& piece, const PlaceOutline&
     }
     // The face of the outline that closes it.
     const Eigen::Vector2d p = piece.at(high ? piece.along.high : piece.along.low, sides.center());
-    const std::vector<SideLine> all = sides_of(outline.polygon);
+    const std::vector<SideLine>& all = side_lines;
     double least = 0.3;
     for (std::size_t k = 0; k < all.size(); ++k) {
       const double distance = std::abs(left_of(all[k].direction).dot(p - all[k].from));
       const double along = all[k].direction.dot(p - all[k].from);
       if (std::abs(all[k].direction.dot(axis)) > std::sin(square) || along < -0.5 || along > all[k].length + 0.5 || distance > least) continue;
       least = distance;
-      end = outline.sides[k];
+      end = all[k].side;
     }
   }
   const double turned = std::remainder(place.area.yaw - reference_yaw - M_PI / 4, 2 * M_PI);
@@ -304,20 +327,29 @@ std::optional<FoundPlace> corridor_place(const Piece& piece, const PlaceOutline&
   return place;
 }
 
-// Lines where a piece of a corridor ends or is open to its side: places are cut there.
-void add_cuts(const Piece& piece, std::vector<WallLine>& lines) {
+// Lines where a piece of a corridor ends in a hall or is open to its side: places are cut there, but not where another piece goes on.
+void add_cuts(const Piece& piece, const std::vector<OrientedRectangle>& others, std::vector<WallLine>& lines) {
   const auto cut = [&](const Eigen::Vector2d& from, const Eigen::Vector2d& to) {
     WallLine line;
     const Eigen::Vector2d u = (to - from).normalized();
     line.normal = left_of(u);
     line.offset = -line.normal.dot(from);
-    Gap gap;
     const double a = line.direction().dot(from);
     const double b = line.direction().dot(to);
-    gap.along = {std::min(a, b), std::max(a, b)};
-    gap.low_jamb = gap.high_jamb = gap.cut = true;
-    line.gaps.push_back(gap);
-    lines.push_back(std::move(line));
+    Intervals stretches;
+    for (double s = std::min(a, b); s < std::max(a, b); s += 0.5 * sample) {
+      const double end = std::min(s + 0.5 * sample, std::max(a, b));
+      const Eigen::Vector2d p = line.at(0.5 * (s + end));
+      if (std::none_of(others.begin(), others.end(), [&](const OrientedRectangle& other) { return other.contains(p, -0.05); }))
+        stretches.push_back({s, end});
+    }
+    for (const Interval& stretch : unite(std::move(stretches), 1e-6)) {
+      Gap gap;
+      gap.along = stretch;
+      gap.low_jamb = gap.high_jamb = gap.cut = true;
+      line.gaps.push_back(gap);
+    }
+    if (!line.gaps.empty()) lines.push_back(std::move(line));
   };
   cut(piece.at(piece.along.low, piece.across.low), piece.at(piece.along.high, piece.across.low));
   cut(piece.at(piece.along.high, piece.across.high), piece.at(piece.along.low, piece.across.high));
@@ -341,9 +373,75 @@ double share_in(const FreeSpace& space, const Regions& regions, int region, cons
   return all > 0 ? inside / all : 1;
 }
 
+// The corridors whose middle line runs mostly in a region.
+std::vector<std::size_t> corridors_in(const FreeSpace& space, const Regions& regions, int region, const std::vector<FoundPlace>& corridors) {
+  std::vector<std::size_t> parts;
+  for (std::size_t i = 0; i < corridors.size(); ++i) {
+    const OrientedRectangle& area = corridors[i].area;
+    const Eigen::Vector2d axis(std::cos(area.yaw), std::sin(area.yaw));
+    int known = 0;
+    int own = 0;
+    for (double s = -0.5 * area.size.x() + sample; s < 0.5 * area.size.x(); s += sample) {
+      const Eigen::Vector2d c = ((area.center + s * axis - space.origin()) / space.resolution()).array().floor();
+      const int label = regions.at(static_cast<int>(c.x()), static_cast<int>(c.y()));
+      known += label >= 0 ? 1 : 0;
+      own += label == region ? 1 : 0;
+    }
+    if (2 * own > known) parts.push_back(i);
+  }
+  return parts;
+}
+
+// What the corridors leave that is large enough to be a hall: wider than a corridor both ways. The rest are corners of their crossings and bends.
+std::vector<char> halls_in(const FreeSpace& space, const Regions& regions, const std::vector<FoundPlace>& corridors) {
+  double width = 0;
+  for (const FoundPlace& corridor : corridors) width += corridor.area.size.y() / static_cast<double>(corridors.size());
+  const double cell = space.resolution();
+  std::vector<double> size(static_cast<std::size_t>(regions.count), 0);
+  for (const std::int32_t label : regions.label) {
+    if (label >= 0) size[static_cast<std::size_t>(label)] += cell * cell;
+  }
+  std::vector<char> halls(size.size(), 0);
+  for (std::size_t i = 0; i < halls.size(); ++i) {
+    const double least = cell * std::min(regions.extent[i].width, regions.extent[i].height);
+    halls[i] = least > wider * width && size[i] > width * width && share_in(space, regions, static_cast<int>(i), corridors) <= 0.5;
+  }
+  return halls;
+}
+
+// Of the cuts behind the first `walls` lines those stretches that have a hall beside them.
+void keep_cuts_at_halls(const FreeSpace& space, const Regions& regions, const std::vector<char>& halls, std::size_t walls,
+                        std::vector<WallLine>& lines) {
+  const auto is_hall = [&](const Eigen::Vector2d& p) {
+    const Eigen::Vector2d c = ((p - space.origin()) / space.resolution()).array().floor();
+    const int label = regions.at(static_cast<int>(c.x()), static_cast<int>(c.y()));
+    return label >= 0 && halls[static_cast<std::size_t>(label)];
+  };
+  for (std::size_t k = walls; k < lines.size(); ++k) {
+    WallLine& line = lines[k];
+    std::vector<Gap> kept;
+    for (const Gap& gap : line.gaps) {
+      Intervals beside;
+      for (double s = gap.along.low; s < gap.along.high; s += 0.5 * sample) {
+        const double end = std::min(s + 0.5 * sample, gap.along.high);
+        bool hall = false;
+        for (const double depth : {-0.2, -0.15, -0.1, 0.1, 0.15, 0.2}) hall = hall || is_hall(line.at(0.5 * (s + end)) + depth * line.normal);
+        if (hall) beside.push_back({s, end});
+      }
+      for (const Interval& stretch : unite(std::move(beside), sample)) {
+        kept.push_back(gap);
+        kept.back().along = stretch;
+      }
+    }
+    line.gaps = std::move(kept);
+  }
+  const auto nothing = [](const WallLine& line) { return line.gaps.empty() && line.faces.empty(); };
+  lines.erase(std::remove_if(lines.begin() + static_cast<std::ptrdiff_t>(walls), lines.end(), nothing), lines.end());
+}
+
 void add_place(const PlaceOutline& outline, const std::vector<Wall>& walls, double reference_yaw, const PlaceParams& params,
                std::vector<FoundPlace>& places) {
-  if (signed_area(outline.polygon) < params.min_area) return;
+  if (area(outline) < params.min_area) return;
   if (is_rectangle(outline)) {
     places.push_back(rectangle_place(outline, walls, reference_yaw, params));
     return;
@@ -362,6 +460,7 @@ FoundPlaces find_places(const FreeSpace& space, const std::vector<Wall>& walls, 
   std::vector<WallLine> lines = find_wall_lines(walls, space, path, params);
   const Regions regions = find_regions(space, lines, path, params);
   std::vector<FoundPlace> corridors;
+  std::vector<Piece> pieces_of_corridors;
   std::vector<int> composite;
   for (int region = 0; region < regions.count; ++region) {
     if (!regions.entered[static_cast<std::size_t>(region)]) continue;
@@ -378,12 +477,22 @@ FoundPlaces find_places(const FreeSpace& space, const std::vector<Wall>& walls, 
       auto corridor = corridor_place(piece, *outline, walls, reference_yaw);
       if (!corridor) continue;
       corridors.push_back(std::move(*corridor));
-      add_cuts(piece, lines);
+      pieces_of_corridors.push_back(piece);
     }
+  }
+  const std::size_t walls_only = lines.size();
+  for (std::size_t i = 0; i < pieces_of_corridors.size(); ++i) {
+    std::vector<OrientedRectangle> others;
+    for (std::size_t k = 0; k < pieces_of_corridors.size(); ++k) {
+      if (k != i) others.push_back(rectangle_of(pieces_of_corridors[k]));
+    }
+    add_cuts(pieces_of_corridors[i], others, lines);
   }
   if (!composite.empty()) {
     // What the corridors leave of the regions that they are part of.
-    const Regions rest = find_regions(space, lines, path, params);
+    Regions rest = find_regions(space, lines, path, params);
+    keep_cuts_at_halls(space, rest, halls_in(space, rest, corridors), walls_only, lines);
+    rest = find_regions(space, lines, path, params);
     for (int region = 0; region < rest.count; ++region) {
       if (!rest.entered[static_cast<std::size_t>(region)]) continue;
       bool of_composite = false;
@@ -392,13 +501,24 @@ FoundPlaces find_places(const FreeSpace& space, const std::vector<Wall>& walls, 
         for (int x = extent.x; x < extent.x + extent.width && !of_composite; ++x)
           of_composite = rest.at(x, y) == region && std::find(composite.begin(), composite.end(), regions.at(x, y)) != composite.end();
       }
-      if (!of_composite || share_in(space, rest, region, corridors) > 0.5) continue;
-      const auto outline = find_outline(space, rest, region, lines, walls, params);
-      if (outline) add_place(*outline, walls, reference_yaw, params, found.places);
+      if (!of_composite) continue;
+      const bool corridor = share_in(space, rest, region, corridors) > 0.5;
+      const std::vector<std::size_t> parts = corridor ? corridors_in(space, rest, region, corridors) : std::vector<std::size_t>{};
+      if (corridor && parts.size() < 2) continue;
+      auto outline = find_outline(space, rest, region, lines, walls, params);
+      if (!outline) continue;
+      if (corridor) {
+        found.branchings.push_back({std::move(*outline), parts});
+      } else {
+        add_place(*outline, walls, reference_yaw, params, found.places);
+      }
+    }
+    for (FoundBranching& branching : found.branchings) {
+      for (std::size_t& part : branching.parts) part += found.places.size();
     }
     for (FoundPlace& corridor : corridors) found.places.push_back(std::move(corridor));
   }
-  found.doors = find_doors(lines, found.places, params);
+  found.doors = find_doors(lines, found, params);
   return found;
 }
 

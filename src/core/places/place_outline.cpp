@@ -15,7 +15,7 @@ constexpr double margin = 0.6;          // of the cells' frame around the region
 constexpr double beside = 0.25;         // a line bounds a region whose cells come this near to its face [m]
 constexpr double least_contact = 0.3;   // along this much of it [m]
 constexpr double unknown_cost = 0.35;   // of a square metre of unseen floor inside, against one of free floor outside
-constexpr double border_cost = 0.4;     // of a metre of border where nothing bounds, in square metres
+constexpr double border_cost = 0.5;     // of a metre of border where nothing bounds, in square metres
 constexpr double shortest_step = 0.15;  // a shorter side between two parallel ones is no step of the outline [m]
 
 // A piece of floor between lines: side i runs from corner i to the next on lines[side[i]], -1: the frame.
@@ -131,14 +131,13 @@ struct BorderPiece {
   int line;
 };
 
-// The outer loop of the cells inside, counter-clockwise.
-std::vector<BorderPiece> outer_loop(std::vector<BorderPiece> pieces) {
-  std::vector<BorderPiece> best;
-  double most = 0;
+// The loops around the cells inside: counter-clockwise around them, clockwise around holes.
+std::vector<std::vector<BorderPiece>> loops_of(const std::vector<BorderPiece>& pieces) {
+  std::vector<std::vector<BorderPiece>> loops;
   std::vector<char> used(pieces.size(), 0);
   for (std::size_t start = 0; start < pieces.size(); ++start) {
     if (used[start]) continue;
-    std::vector<BorderPiece> loop;
+    std::vector<BorderPiece>& loop = loops.emplace_back();
     std::size_t at = start;
     for (;;) {
       used[at] = 1;
@@ -159,15 +158,14 @@ std::vector<BorderPiece> outer_loop(std::vector<BorderPiece> pieces) {
       if (next == pieces.size()) break;
       at = next;
     }
-    Polygon2d polygon;
-    for (const BorderPiece& piece : loop) polygon.push_back(piece.from);
-    const double area = signed_area(polygon);
-    if (area > most) {
-      most = area;
-      best = std::move(loop);
-    }
   }
-  return best;
+  return loops;
+}
+
+double area_within(const std::vector<BorderPiece>& loop) {
+  Polygon2d polygon;
+  for (const BorderPiece& piece : loop) polygon.push_back(piece.from);
+  return signed_area(polygon);
 }
 
 bool meet(const Eigen::Vector2d& n1, double d1, const Eigen::Vector2d& n2, double d2, Eigen::Vector2d* p) {
@@ -240,9 +238,9 @@ PlaneId face_of(const WallLine& line, Interval stretch, const std::vector<Wall>&
   return *chosen != nullptr ? (*chosen)->id : PlaneId{};
 }
 
-PlaceOutline finished(const std::vector<BorderPiece>& loop, const std::vector<const WallLine*>& lines, const std::vector<int>& index_of,
-                      const std::vector<Wall>& walls) {
-  PlaceOutline outline;
+PlaceLoop finished(const std::vector<BorderPiece>& loop, const std::vector<const WallLine*>& lines, const std::vector<int>& index_of,
+                   const std::vector<Wall>& walls) {
+  PlaceLoop outline;
   const std::size_t n = loop.size();
   std::vector<const Wall*> faces(n, nullptr);
   for (std::size_t i = 0; i < n; ++i) {
@@ -298,7 +296,7 @@ PlaceOutline finished(const std::vector<BorderPiece>& loop, const std::vector<co
 }  // namespace
 
 std::optional<PlaceOutline> find_outline(const FreeSpace& space, const Regions& regions, int region, const std::vector<WallLine>& lines,
-                                         const std::vector<Wall>& walls, const PlaceParams&) {
+                                         const std::vector<Wall>& walls, const PlaceParams& params) {
   const CellWindow& extent = regions.extent[static_cast<std::size_t>(region)];
   const Eigen::Vector2d low = space.origin() + space.resolution() * Eigen::Vector2d(extent.x, extent.y);
   const Eigen::Vector2d high = low + space.resolution() * Eigen::Vector2d(extent.width, extent.height);
@@ -334,20 +332,19 @@ std::optional<PlaceOutline> find_outline(const FreeSpace& space, const Regions& 
     measure(cells[i], space, regions, region);
     cut.add_node(i, cells[i].free, cells[i].other + unknown_cost * cells[i].unseen);
   }
-  struct Shared {
-    std::size_t a, b;
-    std::size_t side_a;
-  };
+  // Cells and their sides, by the line that the side lies on.
+  std::vector<std::vector<std::pair<std::size_t, std::size_t>>> on_line(near.size());
+  for (std::size_t i = 0; i < cells.size(); ++i) {
+    for (std::size_t s = 0; s < cells[i].corners.size(); ++s) {
+      if (cells[i].side[s] >= 0) on_line[static_cast<std::size_t>(cells[i].side[s])].emplace_back(i, s);
+    }
+  }
   const auto neighbour = [&](std::size_t i, std::size_t s) {
     const Eigen::Vector2d from = cells[i].corners[s];
     const Eigen::Vector2d to = cells[i].corners[(s + 1) % cells[i].corners.size()];
-    for (std::size_t k = 0; k < cells.size(); ++k) {
-      if (k == i) continue;
-      const std::size_t n = cells[k].corners.size();
-      for (std::size_t t = 0; t < n; ++t) {
-        if (cells[k].side[t] == cells[i].side[s] && (cells[k].corners[t] - to).norm() < 1e-5 && (cells[k].corners[(t + 1) % n] - from).norm() < 1e-5)
-          return k;
-      }
+    for (const auto& [k, t] : on_line[static_cast<std::size_t>(cells[i].side[s])]) {
+      const Polygon2d& corners = cells[k].corners;
+      if (k != i && (corners[t] - to).norm() < 1e-5 && (corners[(t + 1) % corners.size()] - from).norm() < 1e-5) return k;
     }
     return cells.size();
   };
@@ -372,12 +369,41 @@ std::optional<PlaceOutline> find_outline(const FreeSpace& space, const Regions& 
       border.push_back({cells[i].corners[s], cells[i].corners[(s + 1) % cells[i].corners.size()], cells[i].side[s]});
     }
   }
-  std::vector<BorderPiece> loop = outer_loop(std::move(border));
-  if (loop.size() < 3) return std::nullopt;
-  join_pieces_of_a_line(loop);
-  drop_steps(loop);
-  if (loop.size() < 3) return std::nullopt;
-  return finished(loop, near, index_of, walls);
+  std::vector<std::vector<BorderPiece>> loops = loops_of(border);
+  const auto larger = [](const auto& a, const auto& b) { return area_within(a) < area_within(b); };
+  const auto outer = std::max_element(loops.begin(), loops.end(), larger);
+  if (outer == loops.end()) return std::nullopt;
+  const auto simplify = [](std::vector<BorderPiece>& loop) {
+    if (loop.size() < 3) return false;
+    join_pieces_of_a_line(loop);
+    drop_steps(loop);
+    return loop.size() >= 3;
+  };
+  if (!(area_within(*outer) > 0) || !simplify(*outer)) return std::nullopt;
+  PlaceOutline outline;
+  static_cast<PlaceLoop&>(outline) = finished(*outer, near, index_of, walls);
+  for (auto& loop : loops) {
+    if (area_within(loop) > -params.min_area || !simplify(loop) || !contains(outline.polygon, loop.front().from)) continue;
+    outline.holes.push_back(finished(loop, near, index_of, walls));
+  }
+  return outline;
+}
+
+bool contains(const PlaceOutline& outline, const Eigen::Vector2d& p) {
+  return contains(outline.polygon, p) &&
+         std::none_of(outline.holes.begin(), outline.holes.end(), [&](const PlaceLoop& hole) { return contains(hole.polygon, p); });
+}
+
+double area(const PlaceOutline& outline) {
+  double sum = signed_area(outline.polygon);
+  for (const PlaceLoop& hole : outline.holes) sum -= std::abs(signed_area(hole.polygon));
+  return sum;
+}
+
+std::vector<Polygon2d> hole_polygons(const PlaceOutline& outline) {
+  std::vector<Polygon2d> polygons;
+  for (const PlaceLoop& hole : outline.holes) polygons.push_back(hole.polygon);
+  return polygons;
 }
 
 }  // namespace sgraph

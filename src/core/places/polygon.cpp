@@ -64,11 +64,21 @@ Polygon2d clipped(const Polygon2d& convex, const Eigen::Vector2d& normal, double
   return kept;
 }
 
-Eigen::Vector2d inner_point(const Polygon2d& polygon) {
+Eigen::Vector2d inner_point(const Polygon2d& polygon, const std::vector<Polygon2d>& holes) {
+  // Negative outside.
+  const auto depth = [&](const Eigen::Vector2d& p) {
+    if (!contains(polygon, p)) return -1.0;
+    double least = distance_to_outline(polygon, p);
+    for (const Polygon2d& hole : holes) {
+      if (contains(hole, p)) return -1.0;
+      least = std::min(least, distance_to_outline(hole, p));
+    }
+    return least;
+  };
   Eigen::AlignedBox2d box;
   for (const Eigen::Vector2d& p : polygon) box.extend(p);
   Eigen::Vector2d best = centroid(polygon);
-  double furthest = contains(polygon, best) ? distance_to_outline(polygon, best) : -1;
+  double furthest = depth(best);
   // Coarse to fine: a grid over the box, then ever smaller ones around the best.
   Eigen::Vector2d half = 0.5 * box.sizes();
   Eigen::Vector2d middle = box.center();
@@ -77,8 +87,7 @@ Eigen::Vector2d inner_point(const Polygon2d& polygon) {
     for (int i = -steps; i <= steps; ++i) {
       for (int k = -steps; k <= steps; ++k) {
         const Eigen::Vector2d p = middle + Eigen::Vector2d(i * half.x() / steps, k * half.y() / steps);
-        if (!contains(polygon, p)) continue;
-        const double distance = distance_to_outline(polygon, p);
+        const double distance = depth(p);
         if (distance > furthest + 1e-9) {
           furthest = distance;
           best = p;

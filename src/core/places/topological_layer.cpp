@@ -22,7 +22,7 @@ std::string size_text(const FoundPlace& place) {
   std::ostringstream text;
   text << std::fixed << std::setprecision(2);
   if (place.kind == PlaceKind::hall) {
-    text << signed_area(place.outline.polygon) << " m^2 with " << place.outline.polygon.size() << " sides";
+    text << area(place.outline) << " m^2 with " << place.outline.polygon.size() << " sides";
   } else {
     text << place.area.size.x() << " m x " << place.area.size.y() << " m";
   }
@@ -54,8 +54,8 @@ Eigen::AlignedBox2d box_of(const Polygon2d& polygon) {
   return box;
 }
 
-double common_area(const Polygon2d& a, const Polygon2d& b) {
-  const Eigen::AlignedBox2d box = box_of(a).intersection(box_of(b));
+double common_area(const PlaceOutline& a, const PlaceOutline& b) {
+  const Eigen::AlignedBox2d box = box_of(a.polygon).intersection(box_of(b.polygon));
   if (box.isEmpty()) return 0;
   int cells = 0;
   for (double y = box.min().y() + 0.5 * grid; y < box.max().y(); y += grid) {
@@ -132,7 +132,7 @@ std::vector<PlanePair> TopologicalLayer::shown_at(const std::vector<Wall>& walls
   std::vector<PlanePair> pairs;
   const auto look = [&](const auto& records) {
     for (const auto& [id, record] : records) {
-      if (record.storey == storey && contains(record.place.outline.polygon, position))
+      if (record.storey == storey && contains(record.place.outline, position))
         add_pairs(record.place, walls, now, params_.topology.recent, params_.merging, pairs);
     }
   };
@@ -156,10 +156,10 @@ std::vector<std::string> TopologicalLayer::give_names(Graph& graph, std::vector<
   for (std::size_t k = 0; k < known.size(); ++k) {
     for (std::size_t f = 0; f < found.size(); ++f) {
       if (known[k].record.storey != storeys[f]) continue;
-      const Polygon2d& a = known[k].record.place.outline.polygon;
-      const Polygon2d& b = found[f].outline.polygon;
+      const PlaceOutline& a = known[k].record.place.outline;
+      const PlaceOutline& b = found[f].outline;
       const double common = common_area(a, b);
-      if (common > same_place * std::min(signed_area(a), signed_area(b))) matches.push_back({common, k, f});
+      if (common > same_place * std::min(area(a), area(b))) matches.push_back({common, k, f});
     }
   }
   std::stable_sort(matches.begin(), matches.end(), [&](const Match& a, const Match& b) {
@@ -194,8 +194,8 @@ std::vector<std::string> TopologicalLayer::give_names(Graph& graph, std::vector<
         if (parent != matches.end()) reason = "split from " + name_of(known[parent->known]) + ": " + reason;
       }
     } else {
-      const double before = signed_area(known[k].record.place.outline.polygon);
-      const double after = signed_area(record.place.outline.polygon);
+      const double before = area(known[k].record.place.outline);
+      const double after = area(record.place.outline);
       if (known[k].lost) {
         reason = "found again: " + size_text(record.place);
       } else if (std::abs(after - before) > grown * before || known[k].record.place.kind != record.place.kind) {
@@ -220,6 +220,26 @@ std::vector<std::string> TopologicalLayer::give_names(Graph& graph, std::vector<
     lost_.push_back(known[k]);
   }
   return names;
+}
+
+void TopologicalLayer::keep_branchings(const std::vector<FoundBranching>& found, const std::vector<std::string>& names,
+                                       const std::vector<int>& storeys, KeyframeId now, DecisionLog& log) {
+  std::vector<BranchingRecord> branchings;
+  for (const FoundBranching& one : found) {
+    BranchingRecord record{one.outline, {}, storeys[one.parts.front()]};
+    for (const std::size_t part : one.parts) record.parts.push_back({std::stoll(names[part].substr(names[part].find('/') + 1))});
+    std::sort(record.parts.begin(), record.parts.end());
+    branchings.push_back(std::move(record));
+  }
+  std::sort(branchings.begin(), branchings.end(), [](const BranchingRecord& a, const BranchingRecord& b) { return a.parts < b.parts; });
+  for (const BranchingRecord& record : branchings) {
+    const auto same = [&](const BranchingRecord& before) { return before.parts == record.parts; };
+    if (std::any_of(branchings_.begin(), branchings_.end(), same)) continue;
+    std::string others;
+    for (std::size_t i = 1; i < record.parts.size(); ++i) others += (i > 1 ? ", corridor/" : "corridor/") + std::to_string(record.parts[i].value);
+    log.push_back({now, true, "corridor/" + std::to_string(record.parts[0].value), "one piece of floor with " + others});
+  }
+  branchings_ = std::move(branchings);
 }
 
 void TopologicalLayer::give_names_to_doors(const std::vector<FoundDoor>& found, const std::vector<std::string>& names,
@@ -252,40 +272,46 @@ void TopologicalLayer::give_names_to_doors(const std::vector<FoundDoor>& found, 
 }
 
 void TopologicalLayer::find(Graph& graph, const std::vector<Survey>& surveys, DecisionLog& log) {
-  std::vector<FoundPlace> places;
+  FoundPlaces all;
   std::vector<int> storeys;
-  std::vector<FoundDoor> doors;
   storeys_.clear();
   for (const Survey& survey : surveys) {
     storeys_[survey.number] = survey.storey;
     FreeSpace& space = space_of(survey.number);
     space.update(survey.keyframes ? *survey.keyframes : graph.keyframes(), survey.storey.floor);
-    take(find_places(space, survey.walls, survey.path, survey.building_yaw, params_.places), places, doors);
-    storeys.resize(places.size(), survey.number);
+    take(find_places(space, survey.walls, survey.path, survey.building_yaw, params_.places), all);
+    storeys.resize(all.places.size(), survey.number);
   }
-  const std::vector<std::string> names = give_names(graph, std::move(places), storeys, surveys.front().now, log);
-  give_names_to_doors(doors, names, storeys, surveys.front().measure_all_doors, surveys.front().now, log);
+  const std::vector<std::string> names = give_names(graph, std::move(all.places), storeys, surveys.front().now, log);
+  keep_branchings(all.branchings, names, storeys, surveys.front().now, log);
+  give_names_to_doors(all.doors, names, storeys, surveys.front().measure_all_doors, surveys.front().now, log);
 }
 
-// Appends the places that are wanted, and the doors between them.
-void TopologicalLayer::take(FoundPlaces found, std::vector<FoundPlace>& places, std::vector<FoundDoor>& doors) const {
+// Appends the places that are wanted, and what they share: doors and branchings.
+void TopologicalLayer::take(FoundPlaces found, FoundPlaces& all) const {
   const std::size_t none = std::numeric_limits<std::size_t>::max();
   std::vector<std::size_t> number(found.places.size(), none);
   for (std::size_t i = 0; i < found.places.size(); ++i) {
     const bool wanted = found.places[i].kind == PlaceKind::corridor ? params_.topology.corridors : params_.topology.rooms;
     if (!wanted) continue;
-    number[i] = places.size();
-    places.push_back(std::move(found.places[i]));
+    number[i] = all.places.size();
+    all.places.push_back(std::move(found.places[i]));
   }
   for (FoundDoor door : found.doors) {
     door.places = {number[door.places[0]], number[door.places[1]]};
-    if (door.places[0] != none && door.places[1] != none) doors.push_back(door);
+    if (door.places[0] != none && door.places[1] != none) all.doors.push_back(door);
+  }
+  if (!params_.topology.corridors) return;
+  for (FoundBranching branching : found.branchings) {
+    for (std::size_t& part : branching.parts) part = number[part];
+    all.branchings.push_back(std::move(branching));
   }
 }
 
 bool TopologicalLayer::covers(const Eigen::Vector2d& position) const {
-  const auto inside = [&](const auto& entry) { return contains(entry.second.place.outline.polygon, position); };
-  return std::any_of(rooms_.begin(), rooms_.end(), inside) || std::any_of(corridors_.begin(), corridors_.end(), inside);
+  const auto inside = [&](const auto& entry) { return contains(entry.second.place.outline, position); };
+  return std::any_of(rooms_.begin(), rooms_.end(), inside) || std::any_of(corridors_.begin(), corridors_.end(), inside) ||
+         std::any_of(branchings_.begin(), branchings_.end(), [&](const BranchingRecord& record) { return contains(record.outline, position); });
 }
 
 std::vector<Place> TopologicalLayer::places(int storey) const {

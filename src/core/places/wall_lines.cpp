@@ -14,6 +14,8 @@ constexpr double near = 3.0;                  // faces further apart along the l
 constexpr double shortest_face = 0.35;        // [m]
 constexpr double scrap = 0.6;                 // [m]
 constexpr double loose = 0.15;                // a speck in a gap may be this long [m]
+constexpr int least_hits = 2;                 // keyframes that saw a surface where most saw through
+constexpr double pane = 0.4;                  // a pane is looked for this far to both sides [m]
 constexpr double cross_section_margin = 0.2;  // a door is narrower than the places by at least this [m]
 
 double weight(const Wall& wall) { return total_length(wall.support) * trust(wall); }
@@ -55,16 +57,16 @@ bool is_furniture(const WallLine& line, const WallLine& behind, const PlaceParam
   return std::min(a, b) > whole.low && std::max(a, b) < whole.high;
 }
 
-enum class Bin : char { unknown, solid, open };
+enum class Bin : char { unknown, solid, open, glass };
 
-// What the raster says of the line at one place: a surface, or rays that go through below any sill.
+// What the raster says of the line at one place: a surface, rays that go through below any sill, or both: a pane gives back what meets it squarely.
 Bin look(const FreeSpace& space, const WallLine& line, double along) {
   const Eigen::Vector2d p = line.at(along);
   int hits = 0;
   for (const double depth : {-0.04, 0.0, 0.04}) hits = std::max<int>(hits, space.at(p - depth * line.normal).hits);
   int through = 1000000;
   for (const double depth : {0.05, 0.1}) through = std::min<int>(through, space.at(p - depth * line.normal).low);
-  if (hits * 4 < through) return Bin::open;
+  if (hits * 4 < through) return hits >= least_hits ? Bin::glass : Bin::open;
   if (hits > 0) return Bin::solid;
   return Bin::unknown;
 }
@@ -109,6 +111,23 @@ void visit_runs(const std::vector<Bin>& bins, bool open, Visit visit) {
   }
 }
 
+// A pane shows a surface all along. Elsewhere it is the cell of a jamb, somebody who passed, a leg of a chair.
+void keep_glass(std::vector<Bin>& bins) {
+  const std::vector<Bin> seen = bins;
+  const auto reach = static_cast<std::ptrdiff_t>(pane / step);
+  const auto size = static_cast<std::ptrdiff_t>(bins.size());
+  for (std::ptrdiff_t i = 0; i < size; ++i) {
+    if (seen[static_cast<std::size_t>(i)] != Bin::glass) continue;
+    int glass = 0;
+    int open = 0;
+    for (std::ptrdiff_t k = std::max<std::ptrdiff_t>(0, i - reach); k <= std::min(size - 1, i + reach); ++k) {
+      glass += seen[static_cast<std::size_t>(k)] == Bin::glass ? 1 : 0;
+      open += seen[static_cast<std::size_t>(k)] == Bin::open ? 1 : 0;
+    }
+    bins[static_cast<std::size_t>(i)] = glass > open && glass * step > 2 * loose ? Bin::solid : Bin::open;
+  }
+}
+
 Profile profile_of(const WallLine& line, const FreeSpace& space, const std::vector<Eigen::Vector2d>& path, const PlaceParams& params) {
   const Interval whole = hull(line.support);
   Profile profile;
@@ -116,6 +135,7 @@ Profile profile_of(const WallLine& line, const FreeSpace& space, const std::vect
   profile.bins.resize(static_cast<std::size_t>(std::ceil(profile.range.length() / step)));
   std::vector<Bin>& bins = profile.bins;
   for (std::size_t i = 0; i < bins.size(); ++i) bins[i] = look(space, line, profile.position(i));
+  keep_glass(bins);
   // Where the robot has passed there is no wall, whatever stood or stands there.
   for (std::size_t i = 1; i < path.size(); ++i) {
     const double a = line.distance(path[i - 1]);

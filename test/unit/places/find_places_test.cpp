@@ -125,6 +125,51 @@ TEST(FindPlaces, ACorridorEndsWhereItOpensIntoAHall) {
   EXPECT_NEAR(signed_area(hall.outline.polygon), 64, 1);
 }
 
+TEST(FindPlaces, CorridorsThatCrossAreOnePieceOfFloor) {
+  ScannedPlan scanned;
+  scanned.face({{0, 8}, {8, 8}, {8, 0}, {10, 0}, {10, 8}, {18, 8}, {18, 10}, {10, 10}, {10, 18}, {8, 18}, {8, 10}, {0, 10}});
+  scanned.walk({{1, 9}, {17, 9}, {9, 9}, {9, 1}, {9, 17}});
+  const FoundPlaces found = found_in(scanned);
+  ASSERT_EQ(found.places.size(), 2U);
+  for (const FoundPlace& place : found.places) {
+    EXPECT_EQ(place.kind, PlaceKind::corridor);
+    EXPECT_NEAR(place.area.size.x(), 18, 1e-6);
+  }
+  ASSERT_EQ(found.branchings.size(), 1U);
+  EXPECT_EQ(found.branchings[0].parts, (std::vector<std::size_t>{0, 1}));
+  EXPECT_EQ(found.branchings[0].outline.polygon.size(), 12U);
+  EXPECT_NEAR(area(found.branchings[0].outline), 68, 1e-6);
+}
+
+TEST(FindPlaces, CorridorsAroundABlockHaveAHole) {
+  ScannedPlan scanned;
+  scanned.face({{0, 0}, {14, 0}, {14, 12}, {0, 12}});
+  scanned.face({{2, 2}, {2, 10}, {12, 10}, {12, 2}});
+  scanned.walk({{1, 1}, {13, 1}, {13, 11}, {1, 11}, {1, 2}});
+  const FoundPlaces found = found_in(scanned);
+  EXPECT_EQ(found.places.size(), 4U);
+  ASSERT_EQ(found.branchings.size(), 1U);
+  EXPECT_EQ(found.branchings[0].parts.size(), 4U);
+  EXPECT_EQ(found.branchings[0].outline.holes.size(), 1U);
+  EXPECT_NEAR(area(found.branchings[0].outline), 88, 1e-6);
+}
+
+TEST(FindPlaces, ARoomWithinAHallIsAHoleOfIt) {
+  ScannedPlan scanned;
+  scanned.face({{0, 0}, {16, 0}, {16, 12}, {0, 12}});
+  scanned.wall({5, 4}, {9, 4});
+  scanned.wall({9, 4}, {9, 8}, {{1.5, 2.4}});
+  scanned.wall({9, 8}, {5, 8});
+  scanned.wall({5, 8}, {5, 4});
+  scanned.walk({{2, 2}, {12, 2}, {12, 5.95}, {7, 5.95}, {12, 5.95}, {12, 10}, {2, 10}, {2, 3}});
+  const FoundPlaces found = found_in(scanned);
+  ASSERT_EQ(found.places.size(), 2U);
+  const bool hall_first = found.places[0].kind == PlaceKind::hall;
+  EXPECT_NEAR(area(found.places[hall_first ? 0 : 1].outline), 192 - 4.15 * 4.15, 0.01);
+  EXPECT_NEAR(area(found.places[hall_first ? 1 : 0].outline), 3.85 * 3.85, 0.01);
+  EXPECT_EQ(found.doors.size(), 1U);
+}
+
 TEST(FindPlaces, WhatTheRobotHasNotEnteredIsNoPlace) {
   ScannedPlan scanned;
   scanned.face({{0, 0}, {10, 0}, {10, 4}, {0, 4}});

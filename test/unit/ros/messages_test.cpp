@@ -161,6 +161,14 @@ GraphSnapshot random_snapshot(unsigned seed) {
   hall.polygon = {{0, 0}, {4, draw.number()}, {3, 5}};
   hall.edges = {{SceneSide::Kind::wall, {2}, {}}, {SceneSide::Kind::door, {}, {7}}, {SceneSide::Kind::opening, {}, {}}};
   hall.storey = 2;
+  hall.holes = {{{1, 1}, {1, 2}, {2, 2}}};
+  SceneBranching branching;
+  branching.parts = {{1}, {4}};
+  branching.polygon = hall.polygon;
+  branching.edges = hall.edges;
+  branching.storey = 2;
+  branching.holes = hall.holes;
+  snapshot.branchings.push_back(branching);
   snapshot.rooms.insert({hall.id, hall});
   snapshot.doors.insert({{7}, {{7}, "room/3", "room/5", draw.vector(), draw.number(), 0.95, 2.1, 2}});
   snapshot.storeys.push_back({2, draw.number(), draw.number(), true});
@@ -183,6 +191,13 @@ void expect_same_places(const GraphSnapshot& a, const GraphSnapshot& b) {
   EXPECT_FALSE(b.rooms.at({5}).is_rectangle());
   EXPECT_EQ(hall.polygon, b.rooms.at({5}).polygon);
   EXPECT_EQ(hall.storey, b.rooms.at({5}).storey);
+  EXPECT_EQ(hall.holes, b.rooms.at({5}).holes);
+  ASSERT_EQ(b.branchings.size(), 1U);
+  EXPECT_EQ(a.branchings[0].parts, b.branchings[0].parts);
+  EXPECT_EQ(a.branchings[0].polygon, b.branchings[0].polygon);
+  EXPECT_EQ(a.branchings[0].edges.size(), b.branchings[0].edges.size());
+  EXPECT_EQ(a.branchings[0].storey, b.branchings[0].storey);
+  EXPECT_EQ(a.branchings[0].holes, b.branchings[0].holes);
   ASSERT_EQ(hall.edges.size(), b.rooms.at({5}).edges.size());
   for (std::size_t i = 0; i < hall.edges.size(); ++i) {
     EXPECT_EQ(hall.edges[i].kind, b.rooms.at({5}).edges[i].kind);

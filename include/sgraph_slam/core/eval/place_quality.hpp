@@ -61,8 +61,8 @@ struct TruePlaces {
   bool has_doors = false;
 };
 
-/// Reads graph.json: "rooms" and "corridors" with "polygon" (optional "holes"), or where there is none the rectangle about "center" with "width" (of
-/// a corridor also "length") and "yaw"; "doors". Throws std::runtime_error with the file.
+/// Reads graph.json: "places", or where that isn't there "rooms" and "corridors", with "polygon" (optional "holes"), or where there is none the
+/// rectangle about "center" with "width" (of a corridor also "length") and "yaw"; "doors". Throws std::runtime_error with the file.
 MappedPlaces read_mapped_places(const std::string& path);
 
 /// Reads truth.json: "places" and "doors"; without "places" the rectangles of "rooms" and "corridors". Throws std::runtime_error with the file.

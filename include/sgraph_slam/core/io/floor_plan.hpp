@@ -22,12 +22,14 @@ struct DrawnWall {
 
 /// A room or a corridor.
 struct DrawnPlace {
-  std::string name;  ///< "Room 3"
+  std::string name;  ///< "Room 3"; empty for corridors that are one piece of floor, whose parts have the names
   Eigen::Vector2d center;
   Eigen::Vector2d size;                  ///< along its own x and y [m]; a corridor's: length, width; a hall's: zero
   double area = 0;                       ///< [m^2]
   std::vector<Eigen::Vector2d> outline;  ///< counter-clockwise
+  std::vector<std::vector<Eigen::Vector2d>> holes;
   bool corridor = false;
+  bool part = false;  ///< of corridors that are one piece of floor: only its name is drawn
 };
 
 /// An opening between two places.

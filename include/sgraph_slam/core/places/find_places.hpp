@@ -22,7 +22,9 @@ struct FoundPlace {
   std::array<PlaneId, 4> walls;  ///< room: at -x, +x, -y, +y; corridor: the first two, at the right and the left hand; hall: none
 
   /// The centre of a room or corridor; of a hall the inner point furthest from its outline.
-  [[nodiscard]] Eigen::Vector2d reference_point() const { return kind == PlaceKind::hall ? inner_point(outline.polygon) : area.center; }
+  [[nodiscard]] Eigen::Vector2d reference_point() const {
+    return kind == PlaceKind::hall ? inner_point(outline.polygon, hole_polygons(outline)) : area.center;
+  }
 
   /// Whether it is a room or corridor of the paper, with a node of the graph. A hall is its outline: corners where faces meet move with the planes.
   [[nodiscard]] bool has_node() const { return kind != PlaceKind::hall; }
@@ -38,8 +40,15 @@ struct FoundDoor {
   double depth = 0;   ///< thickness of the wall; 0: only one of its faces is known [m]
 };
 
+/// Corridors that cross, fork or bend into one another: one piece of floor.
+struct FoundBranching {
+  PlaceOutline outline;
+  std::vector<std::size_t> parts;  ///< its corridors, by their number among the places
+};
+
 struct FoundPlaces {
   std::vector<FoundPlace> places;
+  std::vector<FoundBranching> branchings;
   std::vector<FoundDoor> doors;
 };
 

@@ -16,11 +16,24 @@ struct PlaceSide {
   double opening = 0;  ///< share of its length where a gap is
 };
 
-/// A piece of floor with its outline.
-struct PlaceOutline {
+/// Corners and the sides between them.
+struct PlaceLoop {
   Polygon2d polygon;
   std::vector<PlaceSide> sides;  ///< one a corner
 };
+
+/// A piece of floor with its outline.
+struct PlaceOutline : PlaceLoop {
+  std::vector<PlaceLoop> holes;  ///< what lies within it and isn't the place's: other places, shafts; clockwise
+};
+
+std::vector<Polygon2d> hole_polygons(const PlaceOutline& outline);
+
+/// Whether a point lies inside, in no hole.
+bool contains(const PlaceOutline& outline, const Eigen::Vector2d& p);
+
+/// Without the holes [m^2].
+double area(const PlaceOutline& outline);
 
 /// The outline of a region: of the cells into which the wall lines beside it (and straight pieces of its border where no wall is known) cut the
 /// floor, those that belong to it at the least cost: a free cell outside, a cell of another place or of a wall inside, and a border where no wall is

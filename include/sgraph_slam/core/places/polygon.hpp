@@ -23,7 +23,7 @@ double distance_to_outline(const Polygon2d& polygon, const Eigen::Vector2d& p);
 /// The part of a convex polygon where `normal . p + offset >= 0`; empty when there is none.
 Polygon2d clipped(const Polygon2d& convex, const Eigen::Vector2d& normal, double offset);
 
-/// The inner point furthest from the outline, to half a decimetre: where a label goes.
-Eigen::Vector2d inner_point(const Polygon2d& polygon);
+/// The inner point furthest from the outline and the holes, to half a decimetre: where a label goes.
+Eigen::Vector2d inner_point(const Polygon2d& polygon, const std::vector<Polygon2d>& holes = {});
 
 }  // namespace sgraph

@@ -30,6 +30,13 @@ struct DoorRecord {
   int storey = 0;
 };
 
+/// Corridors that are one piece of floor.
+struct BranchingRecord {
+  PlaceOutline outline;
+  std::vector<CorridorId> parts;  ///< in order
+  int storey = 0;
+};
+
 /// Floor and ceiling of a storey in the map.
 struct StoreyHeights {
   double floor = 0;    ///< [m]
@@ -86,6 +93,7 @@ class TopologicalLayer {
   [[nodiscard]] const std::map<RoomId, PlaceRecord>& rooms() const { return rooms_; }
   [[nodiscard]] const std::map<CorridorId, PlaceRecord>& corridors() const { return corridors_; }
   [[nodiscard]] const std::map<DoorId, DoorRecord>& doors() const { return doors_; }
+  [[nodiscard]] const std::vector<BranchingRecord>& branchings() const { return branchings_; }
   /// The storeys looked at last, by number.
   [[nodiscard]] const std::map<int, StoreyHeights>& storeys() const { return storeys_; }
   /// Rooms, then corridors, by id.
@@ -103,7 +111,9 @@ class TopologicalLayer {
   std::vector<std::string> give_names(Graph& graph, std::vector<FoundPlace> found, const std::vector<int>& storeys, KeyframeId now, DecisionLog& log);
   void give_names_to_doors(const std::vector<FoundDoor>& found, const std::vector<std::string>& names, const std::vector<int>& storeys,
                            bool measure_all, KeyframeId now, DecisionLog& log);
-  void take(FoundPlaces found, std::vector<FoundPlace>& places, std::vector<FoundDoor>& doors) const;
+  void keep_branchings(const std::vector<FoundBranching>& found, const std::vector<std::string>& names, const std::vector<int>& storeys,
+                       KeyframeId now, DecisionLog& log);
+  void take(FoundPlaces found, FoundPlaces& all) const;
   FreeSpace& space_of(int storey) { return spaces_.emplace(storey, params_.free_space).first->second; }
 
   PlaceLayerParams params_;
@@ -111,7 +121,8 @@ class TopologicalLayer {
   std::map<int, StoreyHeights> storeys_;
   std::map<RoomId, PlaceRecord> rooms_;
   std::map<CorridorId, PlaceRecord> corridors_;
-  std::vector<Known> lost_;  // they keep their names for when they are found again
+  std::vector<Known> lost_;                  // they keep their names for when they are found again
+  std::vector<BranchingRecord> branchings_;  // by their first parts
   std::map<DoorId, DoorRecord> doors_;
   std::int64_t next_door_ = 0;
 };

@@ -76,6 +76,7 @@ struct SceneRoom {
   std::vector<Eigen::Vector2d> polygon{};            ///< inner outline in the map frame, counter-clockwise
   std::vector<SceneSide> edges{};                    ///< of the sides from each corner to the next
   int storey = 0;
+  std::vector<std::vector<Eigen::Vector2d>> holes{};  ///< what lies within the outline and isn't the room's, clockwise
 
   /// Two facing pairs of walls around a rectangle; a hall has no width.
   [[nodiscard]] bool is_rectangle() const { return !width.isZero(0); }
@@ -92,6 +93,15 @@ struct SceneCorridor {
   std::vector<Eigen::Vector2d> polygon{};
   std::vector<SceneSide> edges{};
   int storey = 0;
+};
+
+/// Topological layer: corridors that cross, fork or bend into one another. Together they are one piece of floor.
+struct SceneBranching {
+  std::vector<CorridorId> parts;
+  std::vector<Eigen::Vector2d> polygon{};
+  std::vector<SceneSide> edges{};
+  int storey = 0;
+  std::vector<std::vector<Eigen::Vector2d>> holes{};
 };
 
 /// Topological layer: an opening in a wall between two places.
@@ -142,6 +152,7 @@ struct GraphSnapshot {
   std::map<PlaneId, ScenePlane> planes;
   std::map<RoomId, SceneRoom> rooms;
   std::map<CorridorId, SceneCorridor> corridors;
+  std::vector<SceneBranching> branchings;
   std::vector<SceneOpening> openings;
   std::map<DoorId, SceneDoor> doors;
   std::vector<SceneStorey> storeys;
