@@ -14,6 +14,7 @@ constexpr double raster_loss = 0.1;   // both jambs' cells count as wall: the ra
 constexpr double jamb_search = 0.2;   // around the raster's jamb [m]
 constexpr double from_faces = 0.03;   // what is nearer to a face of the wall is the face, not the jamb [m]
 constexpr std::size_t least_points = 6;
+constexpr double usual_thickness = 0.15;  // of a wall of which one face is known [m]
 constexpr double lowest_lintel = 1.85;
 constexpr double highest_lintel = 3.5;
 
@@ -68,10 +69,16 @@ std::vector<FoundDoor> find_doors(const std::vector<WallLine>& lines, const Foun
       if (!gap.low_jamb || !gap.high_jamb || gap.along.length() > params.widest_door) continue;
       const double middle = gap.along.center();
       const std::vector<std::size_t> front = places_at(places, line.at(middle) + before_face * line.normal);
-      const Behind back = behind(places, line, middle);
-      if (front.empty() || back.places.empty()) continue;
+      Behind back = behind(places, line, middle);
+      if (front.empty()) continue;
+      if (back.places.empty()) {
+        // The wall's other face has not been seen from here; its thickness is a usual one.
+        if (!gap.cut || gap.along.length() > params.max_door) continue;
+        back = {{FoundDoor::nowhere}, usual_thickness};
+      }
       const bool within_one = std::any_of(front.begin(), front.end(), [&](std::size_t i) {
-        return std::any_of(back.places.begin(), back.places.end(), [&](std::size_t k) { return is_one_place(places, i, k); });
+        return std::any_of(back.places.begin(), back.places.end(),
+                           [&](std::size_t k) { return k != FoundDoor::nowhere && is_one_place(places, i, k); });
       });
       if (within_one) continue;
       FoundDoor door;

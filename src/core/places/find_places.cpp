@@ -150,7 +150,7 @@ OrientedRectangle rectangle_of(const Piece& piece) {
 }
 
 // A side that bounds more than it is merely where the seen floor ends.
-bool is_wall(const SideLine& side) { return side.side.plane.valid() && side.side.wall + side.side.opening >= 0.5; }
+bool is_wall(const SideLine& side) { return side.side.plane.valid() && side.side.wall + side.side.opening >= 0.6; }
 
 // Where a side and those in line with it run, along an axis.
 Intervals run_of(const std::vector<SideLine>& sides, std::size_t index, const Eigen::Vector2d& axis, double max_gap) {

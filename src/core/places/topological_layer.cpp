@@ -246,7 +246,8 @@ void TopologicalLayer::give_names_to_doors(const std::vector<FoundDoor>& found, 
                                            const std::vector<int>& storeys, bool measure_all, KeyframeId now, DecisionLog& log) {
   std::map<DoorId, DoorRecord> doors;
   for (const FoundDoor& seen : found) {
-    DoorRecord record{seen, names[seen.places[0]], names[seen.places[1]], storeys[seen.places[0]]};
+    const std::string to = seen.places[1] == FoundDoor::nowhere ? "" : names[seen.places[1]];
+    DoorRecord record{seen, names[seen.places[0]], to, storeys[seen.places[0]]};
     const auto known = std::find_if(doors_.begin(), doors_.end(), [&](const auto& entry) {
       return doors.count(entry.first) == 0 && entry.second.storey == record.storey && (entry.second.door.position - seen.position).norm() < same_door;
     });
@@ -260,7 +261,8 @@ void TopologicalLayer::give_names_to_doors(const std::vector<FoundDoor>& found, 
     const DoorId id = known != doors_.end() ? known->first : DoorId{next_door_++};
     if (known == doors_.end()) {
       std::ostringstream reason;
-      reason << std::fixed << std::setprecision(2) << "gap of " << record.door.width << " m between " << record.from << " and " << record.to;
+      reason << std::fixed << std::setprecision(2) << "gap of " << record.door.width << " m between " << record.from << " and "
+             << (record.to.empty() ? "where the robot has not been" : record.to);
       log.push_back({now, true, "door/" + std::to_string(id.value), reason.str()});
     }
     doors[id] = std::move(record);
@@ -298,8 +300,10 @@ void TopologicalLayer::take(FoundPlaces found, FoundPlaces& all) const {
     all.places.push_back(std::move(found.places[i]));
   }
   for (FoundDoor door : found.doors) {
-    door.places = {number[door.places[0]], number[door.places[1]]};
-    if (door.places[0] != none && door.places[1] != none) all.doors.push_back(door);
+    const auto wanted = [&](std::size_t place) { return place == FoundDoor::nowhere || number[place] != none; };
+    if (!wanted(door.places[0]) || !wanted(door.places[1])) continue;
+    for (std::size_t& place : door.places) place = place == FoundDoor::nowhere ? place : number[place];
+    all.doors.push_back(door);
   }
   if (!params_.topology.corridors) return;
   for (FoundBranching branching : found.branchings) {

@@ -16,6 +16,8 @@ constexpr double scrap = 0.6;                 // [m]
 constexpr double loose = 0.15;                // a speck in a gap may be this long [m]
 constexpr int least_hits = 2;                 // keyframes that saw a surface where most saw through
 constexpr double pane = 0.4;                  // a pane is looked for this far to both sides [m]
+constexpr double most_of_section = 0.6;       // share of the narrower place's width
+constexpr double jamb_reach = 0.12;           // between a gap and the wall that ends it: two cells and noise [m]
 constexpr double cross_section_margin = 0.2;  // a door is narrower than the places by at least this [m]
 
 double weight(const Wall& wall) { return total_length(wall.support) * trust(wall); }
@@ -181,6 +183,10 @@ void find_gaps(WallLine& line, const Profile& profile, const FreeSpace& space, c
     gap.high_jamb = end < profile.bins.size();
     if (gap.along.length() >= params.min_door) line.gaps.push_back(gap);
   });
+  const auto ends_at_wall = [&](double at) {
+    return std::any_of(line.support.begin(), line.support.end(),
+                       [&](const Interval& part) { return at > part.low - jamb_reach && at < part.high + jamb_reach; });
+  };
   Intervals holes;
   for (Gap& gap : line.gaps) {
     holes.push_back(gap.along);
@@ -190,6 +196,8 @@ void find_gaps(WallLine& line, const Profile& profile, const FreeSpace& space, c
     if (!gap.low_jamb || !gap.high_jamb || total_length(line.support) < params.furniture_depth) continue;
     const double narrower = std::min(gap.front, gap.back);
     const double width = gap.along.length();
+    // What takes up most of a corridor's width is a door when wall ends it on both sides: a cupboard at one side of a corridor leaves a gap too.
+    if (width > most_of_section * narrower && !(ends_at_wall(gap.along.low) && ends_at_wall(gap.along.high))) continue;
     gap.cut = width <= params.max_door ? narrower >= width + cross_section_margin : width <= params.join_share * narrower;
   }
   // Solid: what has been seen, what nobody sees between, and the short way to the next corner.

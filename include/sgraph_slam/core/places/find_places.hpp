@@ -30,9 +30,11 @@ struct FoundPlace {
   [[nodiscard]] bool has_node() const { return kind != PlaceKind::hall; }
 };
 
-/// An opening between two places.
+/// An opening between two places, or out of one to where the robot has not been.
 struct FoundDoor {
-  std::array<std::size_t, 2> places{};  ///< indices among the places, the lower one first
+  static constexpr std::size_t nowhere = static_cast<std::size_t>(-1);
+
+  std::array<std::size_t, 2> places{};  ///< indices among the places, the lower one first; the second may be `nowhere`
   Eigen::Vector2d position = Eigen::Vector2d::Zero();
   double yaw = 0;     ///< of the direction through it, from the first place to the second [rad]
   double width = 0;   ///< between its jambs [m]

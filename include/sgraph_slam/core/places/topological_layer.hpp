@@ -26,7 +26,7 @@ struct PlaceRecord {
 struct DoorRecord {
   FoundDoor door;
   std::string from;  ///< "room/3", "corridor/0"
-  std::string to;
+  std::string to;    ///< empty: where the robot has not been
   int storey = 0;
 };
 
