@@ -504,9 +504,11 @@ FoundPlaces find_places(const FreeSpace& space, const std::vector<Wall>& walls, 
       if (!of_composite) continue;
       const bool corridor = share_in(space, rest, region, corridors) > 0.5;
       const std::vector<std::size_t> parts = corridor ? corridors_in(space, rest, region, corridors) : std::vector<std::size_t>{};
-      if (corridor && parts.size() < 2) continue;
+      if (corridor && parts.empty()) continue;
       auto outline = find_outline(space, rest, region, lines, walls, params);
       if (!outline) continue;
+      // A corridor alone is its rectangle, unless its floor is more than that: niches, a wider end.
+      if (parts.size() == 1 && area(*outline) < wider * corridors[parts[0]].area.area()) continue;
       if (corridor) {
         found.branchings.push_back({std::move(*outline), parts});
       } else {

@@ -237,7 +237,8 @@ void TopologicalLayer::keep_branchings(const std::vector<FoundBranching>& found,
     if (std::any_of(branchings_.begin(), branchings_.end(), same)) continue;
     std::string others;
     for (std::size_t i = 1; i < record.parts.size(); ++i) others += (i > 1 ? ", corridor/" : "corridor/") + std::to_string(record.parts[i].value);
-    log.push_back({now, true, "corridor/" + std::to_string(record.parts[0].value), "one piece of floor with " + others});
+    log.push_back({now, true, "corridor/" + std::to_string(record.parts[0].value),
+                   others.empty() ? "its floor is more than what lies between its two walls" : "one piece of floor with " + others});
   }
   branchings_ = std::move(branchings);
 }

@@ -42,7 +42,7 @@ struct FoundDoor {
   double depth = 0;   ///< thickness of the wall; 0: only one of its faces is known [m]
 };
 
-/// Corridors that cross, fork or bend into one another: one piece of floor.
+/// Corridors that cross, fork or bend into one another, or one with niches: one piece of floor.
 struct FoundBranching {
   PlaceOutline outline;
   std::vector<std::size_t> parts;  ///< its corridors, by their number among the places

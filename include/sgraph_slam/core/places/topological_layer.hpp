@@ -30,7 +30,7 @@ struct DoorRecord {
   int storey = 0;
 };
 
-/// Corridors that are one piece of floor.
+/// Corridors that are one piece of floor, or one whose floor is no rectangle.
 struct BranchingRecord {
   PlaceOutline outline;
   std::vector<CorridorId> parts;  ///< in order
