@@ -177,8 +177,23 @@ TEST(FindPlaces, WhatTheRobotHasNotEnteredIsNoPlace) {
   scanned.walk({{1, 1}, {4, 1.95}, {2, 3}});
   const FoundPlaces found = found_in(scanned);
   ASSERT_EQ(found.places.size(), 1U);
-  ASSERT_EQ(found.doors.size(), 1U) << "the way out";
-  EXPECT_EQ(found.doors[0].places[1], FoundDoor::nowhere);
+  ASSERT_EQ(found.doors.size(), 1U);  // which leads out of the known places
+  EXPECT_EQ(found.doors[0].places, (std::array<std::size_t, 2>{0, FoundDoor::nowhere}));
+}
+
+TEST(FindPlaces, ACupboardInACorridorMakesNoDoor) {
+  ScannedPlan scanned;
+  scanned.face({{0, 0}, {12, 0}, {12, 2}, {0, 2}});
+  scanned.plan.add({6, 1.5}, {6, 2});  // its side, in line with a wall between the rooms beside the corridor
+  scanned.plan.add({6, 2.15}, {6, 6});
+  scanned.plan.add({6.5, 2}, {6.5, 1.5});
+  scanned.plan.add({6.5, 1.5}, {6, 1.5});
+  scanned.walk({{1, 0.8}, {11, 0.8}});
+  const FoundPlaces found = found_in(scanned);
+  ASSERT_EQ(found.places.size(), 1U);
+  EXPECT_EQ(found.places[0].kind, PlaceKind::corridor);
+  EXPECT_NEAR(found.places[0].area.size.x(), 12, 1e-6);
+  EXPECT_TRUE(found.doors.empty());
 }
 
 TEST(FreeSpace, MarksOfAKeyframeMoveWithIt) {
