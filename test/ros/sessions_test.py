@@ -1,6 +1,7 @@
 #!/usr/bin/python3
 """Maps that are kept, live: a map is written while the robot drives, taken up again to localise in it or to go on with it, by launch parameters and by
 the service load; pause, resume, reset and initialpose; and what is refused."""
+import contextlib
 import math
 import os
 import signal
@@ -118,7 +119,8 @@ class Robot:
 
 
 def count(path, table):
-    with sqlite3.connect(f'file:{path}?mode=ro', uri=True) as database:
+    # Closed at once: the file's last connection must be the writer's, which puts it together.
+    with contextlib.closing(sqlite3.connect(f'file:{path}?mode=ro', uri=True)) as database:
         return database.execute(f'SELECT count(*) FROM {table}').fetchone()[0]
 
 

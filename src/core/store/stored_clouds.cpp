@@ -2,8 +2,8 @@
 
 #include <map>
 #include <mutex>
-#include <optional>
 #include <stdexcept>
+#include <utility>
 
 #include "database.hpp"
 #include "schema.hpp"
@@ -13,9 +13,9 @@ namespace sgraph {
 
 class StoredClouds::Implementation {
  public:
-  explicit Implementation(const std::string& path) : database_(path, Access::read) {
-    check_schema(database_);
-    select_.emplace(database_, "SELECT data FROM clouds WHERE keyframe = ?");
+  explicit Implementation(std::string path) : path_(std::move(path)) {
+    Database database(path_, Access::read);
+    check_schema(database);
   }
 
   void put(KeyframeId id, const CloudPtr& cloud) {
@@ -27,19 +27,19 @@ class StoredClouds::Implementation {
     const std::lock_guard<std::mutex> lock(mutex_);
     const auto own = own_.find(id);
     if (own != own_.end()) return own->second;
-    CloudPtr cloud;
+    // A connection for each: one that stayed would outlive the writer's with the last snapshot, and leave the file in pieces (-wal, -shm).
     try {
-      select_->bind(1, id.value);
-      if (select_->step()) cloud = std::make_shared<const Cloud>(decode_cloud(select_->blob(0)));
+      Database database(path_, Access::read);
+      Statement select(database, "SELECT data FROM clouds WHERE keyframe = ?");
+      select.bind(1, id.value);
+      if (select.step()) return std::make_shared<const Cloud>(decode_cloud(select.blob(0)));
     } catch (const std::runtime_error&) {  // damaged: as if there were none
     }
-    select_->reset();
-    return cloud;
+    return nullptr;
   }
 
  private:
-  Database database_;
-  std::optional<Statement> select_;
+  std::string path_;
   std::mutex mutex_;
   std::map<KeyframeId, CloudPtr> own_;
 };
