@@ -107,7 +107,7 @@ Eigen::Vector2d label_beside_crossings(const SceneCorridor& corridor, const std:
   };
   const Eigen::Vector2d along(std::cos(corridor.yaw), std::sin(corridor.yaw));
   for (const double share : {0.0, 0.25, -0.25, 0.125, -0.125, 0.375, -0.375}) {
-    const Eigen::Vector2d p = corridor.center.head<2>() + share * corridor.length * along;
+    Eigen::Vector2d p = corridor.center.head<2>() + share * corridor.length * along;
     if (!crossed(p)) return p;
   }
   return corridor.center.head<2>();

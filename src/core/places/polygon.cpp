@@ -95,7 +95,7 @@ Eigen::Vector2d inner_point(const Polygon2d& polygon, const std::vector<Polygon2
       }
     }
     middle = best;
-    half /= steps / 2;
+    half /= 0.5 * steps;
     if (half.maxCoeff() < 0.05) break;
   }
   return best;
