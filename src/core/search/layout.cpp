@@ -39,7 +39,7 @@ std::vector<WallSample> samples_of(const std::vector<WallPiece>& pieces) {
 
 }  // namespace
 
-FreeSpace::FreeSpace(const std::vector<Sight>& sights) {
+SeenFree::SeenFree(const std::vector<Sight>& sights) {
   Eigen::Vector2d low = Eigen::Vector2d::Constant(1e9);
   Eigen::Vector2d high = -low;
   for (const Sight& sight : sights) {
@@ -58,7 +58,7 @@ FreeSpace::FreeSpace(const std::vector<Sight>& sights) {
   for (const Sight& sight : sights) add(sight);
 }
 
-void FreeSpace::add(const Sight& sight) {
+void SeenFree::add(const Sight& sight) {
   // The far side is drawn in by the margin, along the rays.
   const auto drawn_in = [&sight](const Eigen::Vector2d& p) -> Eigen::Vector2d {
     const double distance = (p - sight.sensor).norm();
@@ -94,7 +94,7 @@ void FreeSpace::add(const Sight& sight) {
   }
 }
 
-bool FreeSpace::contains(const Eigen::Vector2d& point, int votes) const {
+bool SeenFree::contains(const Eigen::Vector2d& point, int votes) const {
   const Eigen::Vector2d at = ((point - origin_) / cell).array().floor();
   if (!(at.x() >= 0 && at.y() >= 0 && at.x() < width_ && at.y() < height_)) return false;
   return votes_[static_cast<std::size_t>(at.y()) * static_cast<std::size_t>(width_) + static_cast<std::size_t>(at.x())] >= votes;

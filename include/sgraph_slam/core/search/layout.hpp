@@ -32,12 +32,12 @@ struct WallSample {
 };
 
 /// Cells that were seen to be free, counted by how many sights say so.
-class FreeSpace {
+class SeenFree {
  public:
   static constexpr double cell = 0.1;    ///< edge [m]
   static constexpr double margin = 0.3;  ///< before a seen wall that is not counted as free [m]
 
-  explicit FreeSpace(const std::vector<Sight>& sights);
+  explicit SeenFree(const std::vector<Sight>& sights);
 
   /// Whether at least `votes` sights say that the point is free.
   [[nodiscard]] bool contains(const Eigen::Vector2d& point, int votes) const;
@@ -64,7 +64,7 @@ class Layout {
 
  private:
   std::vector<WallPiece> pieces_;
-  FreeSpace free_;
+  SeenFree free_;
   int votes_;
   std::vector<WallSample> samples_;
 };
