@@ -2,6 +2,7 @@
 
 #include <optional>
 #include <sstream>
+#include <vector>
 
 #include "sgraph_slam/core/io/file.hpp"
 #include "sgraph_slam/core/io/floor_plan.hpp"
@@ -35,16 +36,19 @@ std::string decisions_csv(const DecisionLog& decisions) {
 
 namespace {
 
-// The grid and the drawings of a storey; `suffix` comes before the dot of each name.
-void write_plans(const std::string& base, const std::string& suffix, const GraphSnapshot& snapshot, const Trajectory& path, const Pose& T_base_lidar,
-                 const OutputParams& params, const LeaveOut& leave_out) {
+// The grid and the drawings of a storey, under each of the names: a suffix comes before the dot.
+void write_plans(const std::string& base, const std::vector<std::string>& suffixes, const GraphSnapshot& snapshot, const Trajectory& path,
+                 const Pose& T_base_lidar, const OutputParams& params, const LeaveOut& leave_out) {
   const OccupancyGrid grid = make_occupancy_grid(snapshot, T_base_lidar, params, leave_out);
-  write_file(base + "map" + suffix + ".pgm", pgm_bytes(grid));
-  write_file(base + "map" + suffix + ".yaml", map_yaml(grid, "map" + suffix + ".pgm"));
   const FloorPlan plan = make_floor_plan(snapshot, grid, path);
-  write_file(base + "floor_plan" + suffix + ".png", floor_plan_png(plan));
-  write_file(base + "floor_plan" + suffix + ".svg", floor_plan_svg(plan));
-  write_file(base + "floor_plan" + suffix + ".dxf", floor_plan_dxf(plan));
+  const std::string picture = floor_plan_png(plan);
+  for (const std::string& suffix : suffixes) {
+    write_file(base + "map" + suffix + ".pgm", pgm_bytes(grid));
+    write_file(base + "map" + suffix + ".yaml", map_yaml(grid, "map" + suffix + ".pgm"));
+    write_file(base + "floor_plan" + suffix + ".png", picture);
+    write_file(base + "floor_plan" + suffix + ".svg", floor_plan_svg(plan));
+    write_file(base + "floor_plan" + suffix + ".dxf", floor_plan_dxf(plan));
+  }
 }
 
 }  // namespace
@@ -66,14 +70,14 @@ void write_map(const std::string& folder, const GraphSnapshot& snapshot, const T
   write_file(base + "map.pcd", pcd_bytes(map_cloud(snapshot, T_base_lidar, params.cloud_leaf, leave_out)));
   const std::set<int> storeys = storeys_of(snapshot);
   if (storeys.size() < 2) {
-    write_plans(base, "", snapshot, path, T_base_lidar, params, leave_out);
+    write_plans(base, {""}, snapshot, path, T_base_lidar, params, leave_out);
     return;
   }
   for (const int storey : storeys) {
     const GraphSnapshot part = of_storey(snapshot, storey);
-    const Trajectory on_it = path_of(part, path);
-    write_plans(base, '_' + std::to_string(storey), part, on_it, T_base_lidar, params, leave_out);
-    if (storey == *storeys.begin()) write_plans(base, "", part, on_it, T_base_lidar, params, leave_out);
+    std::vector<std::string> suffixes{'_' + std::to_string(storey)};
+    if (storey == *storeys.begin()) suffixes.emplace_back();
+    write_plans(base, suffixes, part, path_of(part, path), T_base_lidar, params, leave_out);
   }
 }
 

@@ -331,12 +331,9 @@ class BackEnd::Implementation {
   // Planes that the place around the robot shows to be one wall, if they haven't been found apart lately.
   void visit(KeyframeId at) {
     if (!state_.params.merging.by_places) return;
-    constexpr int again = 40;  // keyframes until a pair that was found apart is tried again, as in merge_duplicates
     const int storey = state_.planes.storey_of(at);
     for (const PlanePair& pair : state_.layer.shown_at(counted_walls(storey), ground(*state_.graph.find(at)), at, storey)) {
-      const auto tested = state_.planes.tested_merges.find(pair);
-      const bool lately = tested != state_.planes.tested_merges.end() && at.value - tested->second.value < again;
-      if (!lately && state_.planes.refused_merges.count(pair) == 0) state_.pending_merges.insert(pair);
+      if (!state_.planes.found_apart_lately(pair, at) && state_.planes.refused_merges.count(pair) == 0) state_.pending_merges.insert(pair);
     }
   }
 

@@ -1,6 +1,6 @@
 #include "sgraph_slam/core/pipeline/batches.hpp"
 
-#include <tbb/parallel_pipeline.h>
+#include "reading_filter.hpp"
 
 namespace sgraph {
 
@@ -25,15 +25,9 @@ std::optional<SensorBatch> BatchReader::next() {
 void read_ahead(NextEvent next, const std::function<void(const SensorBatch&)>& work) {
   constexpr std::size_t in_flight = 4;
   BatchReader reader(std::move(next));
-  const auto read = [&reader](tbb::flow_control& control) {
-    auto batch = reader.next();
-    if (!batch) control.stop();
-    return batch;
-  };
   using Batch = std::optional<SensorBatch>;
-  tbb::parallel_pipeline(in_flight,
-                         tbb::make_filter<void, Batch>(tbb::filter_mode::serial_in_order, read) &
-                             tbb::make_filter<Batch, void>(tbb::filter_mode::serial_in_order, [&work](const Batch& batch) { work(*batch); }));
+  tbb::parallel_pipeline(
+      in_flight, reading(reader) & tbb::make_filter<Batch, void>(tbb::filter_mode::serial_in_order, [&work](const Batch& batch) { work(*batch); }));
   reader.rethrow();
 }
 

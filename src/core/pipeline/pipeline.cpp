@@ -1,6 +1,6 @@
 #include "sgraph_slam/core/pipeline/pipeline.hpp"
 
-#include <tbb/parallel_pipeline.h>
+#include "reading_filter.hpp"
 
 namespace sgraph {
 namespace {
@@ -12,11 +12,6 @@ constexpr std::size_t in_flight = 16;
 
 void Pipeline::process_all(NextEvent next, const std::function<void(const ScanRecord&)>& done) {
   BatchReader reader(std::move(next));
-  const auto read = [&reader](tbb::flow_control& control) {
-    auto batch = reader.next();
-    if (!batch) control.stop();
-    return batch;
-  };
   const auto measure = [this](const std::optional<SensorBatch>& batch) -> std::optional<MeasuredScan> {
     for (const SensorEvent& reading : batch->readings) {
       if (const auto* odometry = std::get_if<OdometrySample>(&reading)) add(*odometry);
@@ -35,7 +30,7 @@ void Pipeline::process_all(NextEvent next, const std::function<void(const ScanRe
   using Batch = std::optional<SensorBatch>;
   using Measured = std::optional<MeasuredScan>;
   constexpr auto in_order = tbb::filter_mode::serial_in_order;
-  tbb::parallel_pipeline(in_flight, tbb::make_filter<void, Batch>(in_order, read) & tbb::make_filter<Batch, Measured>(in_order, measure) &
+  tbb::parallel_pipeline(in_flight, reading(reader) & tbb::make_filter<Batch, Measured>(in_order, measure) &
                                         tbb::make_filter<Measured, Measured>(tbb::filter_mode::parallel, find_planes) &
                                         tbb::make_filter<Measured, void>(in_order, map));
   reader.rethrow();

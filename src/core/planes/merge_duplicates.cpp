@@ -9,7 +9,6 @@
 namespace sgraph {
 namespace {
 
-constexpr int try_again = 40;     // keyframes until a pair that was found apart is tried again
 constexpr double shown_gain = 4;  // a place that is seen to be the same widens the gate
 
 std::string merge_name(PlanePair pair) {
@@ -96,9 +95,7 @@ int merge_duplicates(Committer& committer, PlaneLayer& planes, const std::set<Pl
   for (int round = 0; round < 3; ++round) {
     std::set<PlanePair> candidates;
     for (const PlanePair& pair : merge_candidates(committer.graph, planes.map, planes.params.merging, planes.params.association.extent_margin)) {
-      const auto tested = planes.tested_merges.find(pair);
-      const bool lately = tested != planes.tested_merges.end() && committer.newest().value - tested->second.value < try_again;
-      if (!lately || (all && round == 0)) candidates.insert(pair);
+      if (!planes.found_apart_lately(pair, committer.newest()) || (all && round == 0)) candidates.insert(pair);
     }
     for (const PlanePair& pair : shown_by_places) {
       if (committer.graph.find(pair.first) && committer.graph.find(pair.second)) candidates.insert(pair);

@@ -39,6 +39,13 @@ struct PlaneLayer {
     const auto known = storeys.find(id);
     return known == storeys.end() ? 0 : known->second;
   }
+
+  /// Whether a pair has been found beyond its gate within the last 40 keyframes before `now`: it isn't tried again yet.
+  [[nodiscard]] bool found_apart_lately(PlanePair pair, KeyframeId now) const {
+    constexpr int try_again = 40;
+    const auto tested = tested_merges.find(pair);
+    return tested != tested_merges.end() && now.value - tested->second.value < try_again;
+  }
 };
 
 /// Takes over on which storeys the keyframes are, and puts each plane on the one from which it was seen most; the lower number when there are two.
