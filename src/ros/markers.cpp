@@ -113,7 +113,7 @@ class Drawing {
       if (room.is_rectangle()) {
         std::snprintf(label, sizeof label, "room %ld\n%.2f x %.2f m", static_cast<long>(id.value), room.width.x(), room.width.y());
       } else {
-        std::snprintf(label, sizeof label, "room %ld\n%.1f m2", static_cast<long>(id.value), signed_area(room.polygon));
+        std::snprintf(label, sizeof label, "room %ld\n%.1f m2", static_cast<long>(id.value), signed_area(room.polygon, room.holes));
       }
       outline("room_outlines", static_cast<int>(id.value), room.polygon, room.center.z(), room_color);
       place("rooms", static_cast<int>(id.value), room.center, room.planes, room_color, label);

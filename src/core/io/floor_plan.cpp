@@ -91,7 +91,7 @@ DrawnPlace place(const std::string& name, const Eigen::Vector3d& center, const E
 
 DrawnPlace with_holes(DrawnPlace place, const std::vector<std::vector<Eigen::Vector2d>>& holes) {
   place.holes = holes;
-  for (const auto& hole : holes) place.area -= std::abs(signed_area(hole));
+  place.area = signed_area(place.outline, holes);
   return place;
 }
 

@@ -81,10 +81,8 @@ const std::vector<std::vector<Eigen::Vector2d>>& holes_of(const SceneCorridor&) 
 
 template <class Place>
 void add_outline(const Place& place, const char* kind, Json& json) {
-  double area = signed_area(place.polygon);
-  for (const auto& hole : holes_of(place)) area -= std::abs(signed_area(hole));
   json["kind"] = kind;
-  json["area"] = area;
+  json["area"] = signed_area(place.polygon, holes_of(place));
   json["complete"] = is_complete(place.edges);
   json["polygon"] = Json::array();
   for (const Eigen::Vector2d& corner : place.polygon) json["polygon"].push_back(numbers(corner));

@@ -17,8 +17,6 @@ bool is_near(const Pose& a, const Pose& b, double distance) {
   return (a.translation - b.translation).norm() + reach * 2 * (a.rotation.conjugate() * b.rotation).vec().norm() < distance;
 }
 
-bool finite(const Point& p) { return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z); }
-
 // A voxel with a smaller share of the points that a neighbour holds is the outer rim of that neighbour's noise, not a surface of its own.
 constexpr double least_share = 0.1;
 
@@ -91,7 +89,7 @@ template <class Visit>
 void visit_points(const Cloud& cloud, const Pose& T_map_lidar, Visit visit) {
   const Eigen::Matrix3d rotation = T_map_lidar.matrix();
   for (const Point& point : cloud.points) {
-    if (!finite(point)) continue;
+    if (!point.position().allFinite()) continue;
     Point moved = point;
     moved.time = 0;
     visit(Eigen::Vector3d(rotation * point.position().cast<double>() + T_map_lidar.translation), moved);
@@ -180,7 +178,7 @@ std::optional<Plane> floor_below(const GraphSnapshot& snapshot, const SceneKeyfr
   if (!cloud) return std::nullopt;
   std::vector<double> heights;
   for (const Point& point : cloud->points) {
-    if (finite(point)) heights.push_back((T_map_lidar * point.position().cast<double>()).z());
+    if (point.position().allFinite()) heights.push_back((T_map_lidar * point.position().cast<double>()).z());
   }
   if (heights.empty()) return std::nullopt;
   // A few points lie below any floor: reflections, and what is seen through a stairwell.

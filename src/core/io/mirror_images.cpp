@@ -32,8 +32,6 @@ constexpr std::size_t most_samples = 2000;  // of the points seen through a hole
 constexpr double farthest = 5e4;            // of a point that a voxel's number can tell [m]
 constexpr int most_cells = 4'000'000;       // of one wall's raster
 
-bool finite(const Point& p) { return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z); }
-
 std::uint64_t key(const Eigen::Array3d& voxels) {
   const auto part = [](double v) { return static_cast<std::uint64_t>(static_cast<std::int64_t>(std::floor(v)) + (1 << 20)) & 0x1fffffU; };
   return part(voxels.x()) << 42 | part(voxels.y()) << 21 | part(voxels.z());
@@ -218,7 +216,7 @@ void visit_sights(const GraphSnapshot& snapshot, const Pose& T_base_lidar, const
       if (before && walls[w].box.exteriorDistance(T_map_lidar.translation) < reach) facing.push_back(w);
     }
     for (const Point& point : cloud->points) {
-      if (!finite(point)) continue;
+      if (!point.position().allFinite()) continue;
       sight.p = rotation * point.position().cast<double>() + T_map_lidar.translation;
       if (!(sight.p.cwiseAbs().maxCoeff() < farthest)) continue;
       sight.through.clear();

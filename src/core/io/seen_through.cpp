@@ -19,8 +19,6 @@ constexpr std::uint8_t looks_for_a_pass = 2;  // keyframes; one may have looked 
 constexpr double on_plane = 0.08;             // [m]: a wall's noise, and what a plane's estimate may be off
 constexpr double beside_plane = 0.2;          // [m] beyond its outline
 
-bool finite(const Point& p) { return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z); }
-
 // Visits the cells that a straight way passes, in order, in cells from the grid's corner, while `visit` says so.
 template <class Visit>
 void walk(const Eigen::Vector3d& from, const Eigen::Vector3d& to, Visit visit) {
@@ -99,7 +97,7 @@ SeenThrough::SeenThrough(const GraphSnapshot& snapshot, const Pose& T_base_lidar
     const Eigen::Matrix3d rotation = T_map_lidar.matrix();
     const auto in_map = [&](const Point& p) -> Eigen::Vector3d { return rotation * p.position().cast<double>() + T_map_lidar.translation; };
     for (const Point& point : cloud->points) {
-      if (!finite(point)) continue;
+      if (!point.position().allFinite()) continue;
       const Eigen::Vector3d p = in_map(point);
       if (!((p - origin_).cwiseAbs().maxCoeff() < 1e6)) continue;
       const Eigen::Vector3i cell = cell_of(p);
@@ -119,7 +117,7 @@ SeenThrough::SeenThrough(const GraphSnapshot& snapshot, const Pose& T_base_lidar
       }
     }
     for (const Point& point : cloud->points) {
-      if (!finite(point)) continue;
+      if (!point.position().allFinite()) continue;
       const Eigen::Vector3d& eye = origins.of(point);
       const Eigen::Vector3d ray = in_map(point) - eye;
       const double length = std::min(ray.norm() - clearance, reach);

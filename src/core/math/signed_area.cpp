@@ -1,5 +1,7 @@
 #include "sgraph_slam/core/math/signed_area.hpp"
 
+#include <cmath>
+
 namespace sgraph {
 
 double signed_area(const std::vector<Eigen::Vector2d>& corners) {
@@ -11,6 +13,12 @@ double signed_area(const std::vector<Eigen::Vector2d>& corners) {
     twice += a.x() * b.y() - a.y() * b.x();
   }
   return 0.5 * twice;
+}
+
+double signed_area(const std::vector<Eigen::Vector2d>& corners, const std::vector<std::vector<Eigen::Vector2d>>& holes) {
+  double area = signed_area(corners);
+  for (const auto& hole : holes) area -= std::abs(signed_area(hole));
+  return area;
 }
 
 }  // namespace sgraph

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <optional>
 
+#include "sgraph_slam/core/util/statistics.hpp"
+
 namespace sgraph {
 namespace {
 
@@ -52,11 +54,6 @@ Behind behind(const FoundPlaces& places, const WallLine& line, double along) {
     if (!found.empty()) return {std::move(found), depth};
   }
   return {};
-}
-
-double median(std::vector<double> values) {
-  std::nth_element(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2), values.end());
-  return values[values.size() / 2];
 }
 
 }  // namespace
@@ -122,8 +119,8 @@ void measure_door(const FreeSpace& space, FoundDoor& door) {
     if (z > lowest_lintel && z < highest_lintel && std::abs(t) < 0.5 * door.depth + from_faces && std::abs(s) < half - 0.1) lintel.push_back(z);
   }
   if (low.size() >= least_points && high.size() >= least_points) {
-    const double a = median(low);
-    const double b = median(high);
+    const double a = upper_median(low);
+    const double b = upper_median(high);
     door.position += 0.5 * (a + b) * along;
     door.width = b - a;
   }

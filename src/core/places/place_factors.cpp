@@ -4,6 +4,8 @@
 #include <cmath>
 #include <optional>
 
+#include "sgraph_slam/core/util/statistics.hpp"
+
 namespace sgraph {
 namespace {
 
@@ -124,8 +126,7 @@ void add_wall_faces(Committer& committer, const PlaneMap& planes, double max_ang
   if (all.size() < min_walls) return;
   std::vector<double> thicknesses;
   for (const Faces& faces : all) thicknesses.push_back(faces.thickness);
-  std::nth_element(thicknesses.begin(), thicknesses.begin() + static_cast<std::ptrdiff_t>(thicknesses.size() / 2), thicknesses.end());
-  const double usual = thicknesses[thicknesses.size() / 2];
+  const double usual = upper_median(std::move(thicknesses));
   Transaction edit;
   edit.reason = "faces of walls";
   for (const auto& [id, factor] : committer.graph.factors()) {

@@ -5,6 +5,8 @@
 
 #include <Eigen/Eigenvalues>
 
+#include "sgraph_slam/core/util/statistics.hpp"
+
 namespace sgraph {
 namespace {
 
@@ -46,12 +48,6 @@ Eigen::Matrix3d symmetric(const std::array<Scalar, 6>& o) {
   Eigen::Matrix<Scalar, 3, 3> m;
   m << o[0], o[1], o[2], o[1], o[3], o[4], o[2], o[4], o[5];
   return m.template cast<double>();
-}
-
-double median(std::vector<double>& values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
 }
 
 }  // namespace
@@ -204,8 +200,8 @@ void SurfaceMap::update_noise() {
     if (side.incidence > steep) along_ray.push_back(variance / static_cast<double>(side.incidence));
   }
   if (variances.size() < 10) return;
-  noise_ = std::sqrt(median(variances));
-  if (along_ray.size() >= 10) range_variance_ = median(along_ray);
+  noise_ = std::sqrt(upper_median(std::move(variances)));
+  if (along_ray.size() >= 10) range_variance_ = upper_median(std::move(along_ray));
   const double limit = std::max(params_.flat_sigma, noise_share * noise_);
   flat_variance_ = limit * limit;
 }

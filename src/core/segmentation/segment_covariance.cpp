@@ -7,6 +7,7 @@
 #include "sgraph_slam/core/math/noise.hpp"
 #include "sgraph_slam/core/math/so3.hpp"
 #include "sgraph_slam/core/segmentation/plane_fit.hpp"
+#include "sgraph_slam/core/util/statistics.hpp"
 
 namespace sgraph {
 namespace {
@@ -37,10 +38,7 @@ double usual_sigma(const std::vector<PlaneSegment>& segments) {
   for (const PlaneSegment& segment : segments) {
     if (std::isfinite(segment.sigma)) sigmas.push_back(segment.sigma);
   }
-  if (sigmas.empty()) return 0;
-  const auto middle = sigmas.begin() + static_cast<std::ptrdiff_t>(sigmas.size() / 2);
-  std::nth_element(sigmas.begin(), middle, sigmas.end());
-  return *middle;
+  return upper_median(std::move(sigmas));
 }
 
 Eigen::Matrix3d segment_covariance(const Cloud& cloud, const PointSet& points, const std::vector<Eigen::Vector3f>& viewpoints,

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <numeric>
 
+#include "sgraph_slam/core/util/statistics.hpp"
+
 namespace sgraph {
 namespace {
 
@@ -47,12 +49,6 @@ struct ConeSums {
   }
 };
 
-double median_of(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
 void judge_sharpness(const std::vector<std::vector<std::pair<double, double>>>& rows, RingTable& table) {
   std::vector<double> residuals;
   std::vector<double> wobbles;
@@ -71,8 +67,8 @@ void judge_sharpness(const std::vector<std::vector<std::pair<double, double>>>& 
     wobbles.push_back(table.cones[row].wobble);
   }
   if (residuals.empty()) return;
-  table.sharp = median_of(residuals) < sharp_residual;
-  table.from_one_point = median_of(wobbles) < one_point_wobble;
+  table.sharp = upper_median(residuals) < sharp_residual;
+  table.from_one_point = upper_median(wobbles) < one_point_wobble;
 }
 
 struct KnownSensor {

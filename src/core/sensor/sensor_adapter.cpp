@@ -5,6 +5,8 @@
 #include <cmath>
 #include <utility>
 
+#include "sgraph_slam/core/util/statistics.hpp"
+
 namespace sgraph {
 namespace {
 
@@ -28,13 +30,6 @@ bool valid(const Point& p) {
   return std::isfinite(rho) && std::isfinite(p.z) && rho > 0.05;
 }
 double azimuth_of(const Point& p) { return std::atan2(static_cast<double>(p.y), static_cast<double>(p.x)); }
-
-double median_of(std::vector<double> values) {
-  if (values.empty()) return 0;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
 
 // The time [s] from the cloud's stamp of an absolute value; whole seconds are taken off first, which keeps the fraction of a microsecond.
 double since(Stamp stamp, double value, double unit) {
@@ -72,7 +67,7 @@ bool lies_on_cones(const RingTable& table, const Cloud& cloud) {
   for (std::size_t i = 0; i < cloud.size(); i += stride) {
     if (valid(cloud.points[i])) away.push_back(distance_to_cone(table, cloud.points[i]));
   }
-  return !away.empty() && median_of(away) < 0.003;  // [m] drivers round to millimetres; a turn's motion is centimetres
+  return !away.empty() && upper_median(away) < 0.003;  // [m] drivers round to millimetres; a turn's motion is centimetres
 }
 
 // Whether most points are at the elevation of a beam, of their own where the cloud numbers them.
@@ -94,7 +89,7 @@ bool lies_on_beams(const RingTable& table, bool by_field, const Cloud& cloud) {
     errors.push_back(elevation_error(table, p, by_field ? table.row_of_ring[p.ring] : table.nearest_row(p)));
   }
   if (errors.size() < 20) return true;  // all but empty: for others to judge
-  return median_of(errors) < allowed;
+  return upper_median(errors) < allowed;
 }
 
 }  // namespace
@@ -167,9 +162,9 @@ SensorAdapter::Look SensorAdapter::look_at(const RawScan& raw, const std::option
     for (const Row& row : rows) {
       if (2 * row.points >= most) swept.push_back(row.swept);
     }
-    look.swept = median_of(swept);
+    look.swept = upper_median(swept);
     if ((look.swept > 0) != counter_clockwise) look.swept = counter_clockwise ? look.coverage : -look.coverage;  // a gap of more than half a turn
-    look.step = median_of(counter_clockwise ? forward : backward);
+    look.step = upper_median(counter_clockwise ? forward : backward);
   }
   look.sharp = table && table->sharp;
   return look;
@@ -308,7 +303,7 @@ void SensorAdapter::decide_turn() {
     if (advanced > M_PI && elapsed > 0) turn = elapsed / advanced * full_turn;
     return;
   }
-  const double spacing = median_of(spacings);
+  const double spacing = upper_median(spacings);
   if (spacing > 0.045 && spacing < 0.21) turn = spacing;  // [s] spinning LiDARs turn 5 to 20 times a second
   const auto interval = firing_interval_of(description_.model);
   if (turn == 0 && interval && !looks_.empty() && looks_.front().step > 0) turn = *interval * full_turn / looks_.front().step;
@@ -335,8 +330,8 @@ void SensorAdapter::decide_times() {
 
   const bool field_wanted = params_.times == "auto" || params_.times == "field";
   if (field_wanted && !spans.empty()) {
-    const double span = median_of(spans);
-    const double first = median_of(firsts);
+    const double span = upper_median(spans);
+    const double first = upper_median(firsts);
     const bool absolute = std::abs(first) > 50 * span;
     const double covered = std::max(description_.coverage_deg / 360, 0.01);
     const auto take = [&](const char* name, double unit, const char* origin) {
@@ -365,7 +360,7 @@ void SensorAdapter::decide_times() {
     }
     if (!description_.time_unit.empty()) {
       description_.time_source = "field " + sample_->time_field;
-      const bool backwards = median_of(trends) < -0.9 && !looks_.front().by_ring;
+      const bool backwards = upper_median(trends) < -0.9 && !looks_.front().by_ring;
       if (backwards && description_.time_origin == "from the stamp") {
         time_scale_ = -time_scale_;
         description_.time_origin = "counted back from the stamp";

@@ -7,6 +7,7 @@
 #include <memory>
 
 #include "plan.hpp"
+#include "sgraph_slam/core/math/signed_area.hpp"
 #include "yaml_fields.hpp"
 
 namespace sgraph::sim {
@@ -74,16 +75,6 @@ class Geos {
  private:
   GEOSContextHandle_t context_;
 };
-
-double signed_area(const Ring& ring) {
-  double twice = 0;
-  for (std::size_t i = 0; i < ring.size(); ++i) {
-    const Eigen::Vector2d& a = ring[i];
-    const Eigen::Vector2d& b = ring[(i + 1) % ring.size()];
-    twice += a.x() * b.y() - a.y() * b.x();
-  }
-  return 0.5 * twice;
-}
 
 // Counter-clockwise, without corners that lie on the line between their neighbours, from the lowest of the leftmost corners.
 Ring tidy(Ring ring) {

@@ -6,6 +6,8 @@
 #include <limits>
 #include <stdexcept>
 
+#include "sgraph_slam/core/math/signed_area.hpp"
+
 namespace sgraph::sim {
 
 namespace {
@@ -14,16 +16,6 @@ struct Triangle {
   std::array<std::uint32_t, 3> corner;
   std::size_t surface;
 };
-
-double signed_area(const std::vector<Eigen::Vector2d>& polygon) {
-  double area = 0;
-  for (std::size_t i = 0; i < polygon.size(); ++i) {
-    const Eigen::Vector2d& a = polygon[i];
-    const Eigen::Vector2d& b = polygon[(i + 1) % polygon.size()];
-    area += 0.5 * (a.x() * b.y() - a.y() * b.x());
-  }
-  return area;
-}
 
 bool inside(const Eigen::Vector2d& p, const Eigen::Vector2d& a, const Eigen::Vector2d& b, const Eigen::Vector2d& c) {
   const auto side = [&](const Eigen::Vector2d& u, const Eigen::Vector2d& v) {

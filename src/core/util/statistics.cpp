@@ -40,4 +40,11 @@ Statistics statistics_of(std::vector<double> errors) {
   return s;
 }
 
+double upper_median(std::vector<double> values) {
+  if (values.empty()) return 0;
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
 }  // namespace sgraph

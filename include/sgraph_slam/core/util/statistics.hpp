@@ -21,4 +21,7 @@ Statistics statistics_of(std::vector<double> errors);
 /// The value below which the share `fraction` (0..1) of a set lies, linear between neighbours. 0 for an empty set.
 double quantile(std::vector<double> values, double fraction);
 
+/// A member of the set that as many lie below as above, the upper one of two: the median of a large set, without sorting it. 0 for an empty set.
+double upper_median(std::vector<double> values);
+
 }  // namespace sgraph
