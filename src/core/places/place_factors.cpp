@@ -88,8 +88,8 @@ void add_widths(Committer& committer, const TopologicalLayer& layer, const Plane
     if (!committer.graph.find(id) || room.place.kind != PlaceKind::room) continue;
     for (const int axis : {0, 1}) {
       const auto& walls = room.place.walls;
-      const auto width = seen_width(segment_of(walls[static_cast<std::size_t>(2 * axis)]), segment_of(walls[static_cast<std::size_t>(2 * axis + 1)]),
-                                    params.width_sigma);
+      const std::size_t first = 2 * static_cast<std::size_t>(axis);
+      const auto width = seen_width(segment_of(walls[first]), segment_of(walls[first + 1]), params.width_sigma);
       if (width && width->width > 0) add_factor(edit, RoomWidth{id, now, axis, width->width, width->sigma}, loss);
     }
   }

@@ -34,7 +34,8 @@ double azimuth_of(const Point& p) { return std::atan2(static_cast<double>(p.y), 
 // The time [s] from the cloud's stamp of an absolute value; whole seconds are taken off first, which keeps the fraction of a microsecond.
 double since(Stamp stamp, double value, double unit) {
   constexpr std::int64_t billion = 1'000'000'000;
-  const auto whole = static_cast<double>(stamp.nanoseconds / billion);
+  const std::int64_t seconds = stamp.nanoseconds / billion;
+  const auto whole = static_cast<double>(seconds);
   const auto rest = static_cast<double>(stamp.nanoseconds % billion);
   return (unit == 1.0 ? value - whole : unit * (value - whole / unit)) - 1e-9 * rest;
 }
