@@ -5,6 +5,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "mixed_pixels.hpp"
 #include "outliers.hpp"
 #include "sgraph_slam/core/util/scattered_order.hpp"
 #include "sgraph_slam/core/util/voxel_set.hpp"
@@ -60,6 +61,7 @@ FilteredScan Prefilter::process(const Cloud& raw) const {
   Interval interval{params_.min_range * params_.min_range, params_.max_range * params_.max_range};
   if (params_.range_sigmas > 0) interval = narrowed(raw, interval, params_.range_sigmas);
 
+  const std::vector<std::uint8_t> mixed = params_.keep_mixed_pixels ? std::vector<std::uint8_t>() : mixed_pixels(raw);
   const bool thin = params_.leaf > 0;
   VoxelSet taken(thin ? params_.leaf : 1.0, thin ? raw.size() : 0);
   auto cloud = std::make_shared<Cloud>();
@@ -71,6 +73,8 @@ FilteredScan Prefilter::process(const Cloud& raw) const {
       ++counts.invalid;
     } else if (!interval.holds(range2)) {
       ++counts.out_of_range;
+    } else if (!mixed.empty() && mixed[static_cast<std::size_t>(&p - raw.points.data())] != 0) {
+      ++counts.mixed;
     } else if (thin && !taken.insert(p.x, p.y, p.z)) {
       ++counts.voxel;
     } else {

@@ -66,7 +66,7 @@ TEST(Prefilter, CountsAddUpAndPointsStayAsTheyCame) {
   EXPECT_EQ(c.invalid, 5);
   EXPECT_EQ(c.out_of_range, 4);
   EXPECT_EQ(c.kept, static_cast<int>(scan.cloud->size()));
-  EXPECT_EQ(c.input, c.invalid + c.out_of_range + c.voxel + c.outliers + c.kept);
+  EXPECT_EQ(c.input, c.invalid + c.out_of_range + c.mixed + c.voxel + c.outliers + c.kept);
   EXPECT_GT(c.voxel, 10000);
   EXPECT_EQ(scan.cloud->stamp, raw.stamp);
   EXPECT_EQ(scan.cloud->frame, raw.frame);

@@ -10,6 +10,7 @@ struct PrefilterCounts {
   int input = 0;
   int invalid = 0;       ///< NaN or infinite position or time, or at the origin (the driver's "no return")
   int out_of_range = 0;  ///< outside min_range..max_range, or outside mean +- k sigma of the ranges (paper, Plane Extraction)
+  int mixed = 0;         ///< between two surfaces: the beam struck an edge
   int voxel = 0;         ///< an earlier point of the same voxel was kept instead
   int outliers = 0;      ///< radius or statistical outliers
   int kept = 0;
