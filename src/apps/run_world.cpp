@@ -16,36 +16,30 @@
 #include "sgraph_slam/core/pipeline/batches.hpp"
 #include "sgraph_slam/core/pipeline/run_folder.hpp"
 #include "sgraph_slam/core/pipeline/variants.hpp"
-#include "sgraph_slam/core/sim/simulator.hpp"
 #include "sgraph_slam/core/store/map_recording.hpp"
 #include "sgraph_slam/core/util/progress.hpp"
 #include "sgraph_slam/core/util/resources.hpp"
 #include "sgraph_slam/core/util/stopwatch.hpp"
+#include "shared/simulation_options.hpp"
 
 namespace sgraph {
 namespace {
 
 struct Options {
-  std::string world;
+  SimulationOptions simulation;
   std::string out;
   std::vector<std::string> configs;
   std::vector<std::string> assignments;
   std::vector<std::string> variants;
   std::string odometry;
   std::string until = "mapping";
-  std::string stamp = "last";
-  std::string sensor = "ideal";
-  std::string building = "auto";
-  std::uint64_t unit = 1;
-  std::uint64_t session = 0;
   bool imu = false;
   int threads = 0;
   bool quiet = false;
-  sim::SimulationSettings simulation;
 };
 
-void declare(CLI::App& app, Options& options) {
-  app.add_option("WORLD", options.world, "World file (docs/worlds.md)")->required();
+void declare_options(CLI::App& app, Options& options) {
+  declare(app, options.simulation);
   app.add_option("--out", options.out,
                  "Run folder to write, or with --variant the folder for a run folder each; gets ground_truth.tum and truth.json too")
       ->required();
@@ -59,23 +53,6 @@ void declare(CLI::App& app, Options& options) {
   app.add_option("--until", options.until, "Last stage to run")
       ->capture_default_str()
       ->check(CLI::IsMember({"prefilter", "odometry", "segmentation", "mapping"}));
-  sim::LidarSettings& lidar = options.simulation.lidar;
-  CLI::Option* noise = app.add_option("--noise", lidar.range_noise, "Standard deviation of the ideal sensor's ranges [m]")
-                           ->capture_default_str()
-                           ->check(CLI::Range(0.0, 1.0));
-  app.add_option("--sensor", options.sensor, "ideal: white noise only; real: the errors of a real VLP-16 (docs/simulator.md)")
-      ->capture_default_str()
-      ->check(CLI::IsMember({"ideal", "real"}));
-  app.add_option("--unit", options.unit, "Number of the real sensor: each has its own errors")->capture_default_str()->excludes(noise);
-  app.add_option("--session", options.session, "Another day in the same building: other route, furniture moved, doors shut; 0: as in the file")
-      ->capture_default_str();
-  app.add_option("--building", options.building, "ideal: as planned; real: with the errors of real buildings; auto: like the sensor")
-      ->capture_default_str()
-      ->check(CLI::IsMember({"auto", "ideal", "real"}));
-  app.add_option("--rate", lidar.rate, "Revolutions a second")->capture_default_str()->check(CLI::Range(5.0, 20.0));
-  app.add_option("--seed", lidar.seed, "Seed of all random numbers")->capture_default_str();
-  app.add_option("--stamp", options.stamp, "Which firing stamps a cloud")->capture_default_str()->check(CLI::IsMember({"first", "last"}));
-  app.add_option("--duration", options.simulation.duration, "End after this long [s]")->check(CLI::PositiveNumber);
   app.add_option("--threads", options.threads, "Most threads to use; 0: all")->check(CLI::NonNegativeNumber);
   app.add_flag("--quiet", options.quiet, "Print errors only");
 }
@@ -125,17 +102,17 @@ double map_world(bool quiet, sim::SimulatedSource& source, VariantSet& set) {
 }
 
 void write_simulation(const Options& options, const sim::SimulatedSource& source, double cpu) {
-  const nlohmann::ordered_json json{{"world", options.world},
+  const nlohmann::ordered_json json{{"world", options.simulation.world},
                                     {"scans", source.scan_count()},
                                     {"data_seconds", source.duration()},
                                     {"cpu_seconds", cpu},
-                                    {"seed", options.simulation.lidar.seed},
-                                    {"noise_m", options.simulation.lidar.range_noise},
-                                    {"sensor", options.sensor},
-                                    {"unit", options.unit},
-                                    {"building", options.building},
-                                    {"session", options.session},
-                                    {"rate_hz", options.simulation.lidar.rate}};
+                                    {"seed", options.simulation.settings.lidar.seed},
+                                    {"noise_m", options.simulation.settings.lidar.range_noise},
+                                    {"sensor", options.simulation.sensor},
+                                    {"unit", options.simulation.unit},
+                                    {"building", options.simulation.building},
+                                    {"session", options.simulation.session},
+                                    {"rate_hz", options.simulation.settings.lidar.rate}};
   write_file(options.out + "/simulation.json", json.dump(1) + '\n');
 }
 
@@ -152,7 +129,7 @@ std::vector<std::unique_ptr<MapRecording>> record_maps(const Options& options, c
     if (variant.until != Stage::mapping) continue;
     make_folder(folder_of(options, variant));
     StoredSession session;
-    session.source = options.world;
+    session.source = options.simulation.world;
     session.T_base_lidar = T_base_lidar;
     Params params = variant.params;
     session.parameters = to_yaml([&params](ParamVisitor& v) { params.describe(v); });
@@ -169,7 +146,7 @@ void write(const Options& options, VariantSet& set, const std::vector<std::uniqu
     const std::string folder = folder_of(options, variant);
     const StageTimes wall = set.runs()[i].total_cost().wall;
     RunInfo info;
-    info.sources = {options.world};
+    info.sources = {options.simulation.world};
     info.wall_seconds = 1e-3 * std::accumulate(wall.begin(), wall.end(), 0.0);
     set.observe(i, nullptr);
     if (recordings[i]) info.store = recordings[i]->finish();
@@ -184,12 +161,8 @@ void write(const Options& options, VariantSet& set, const std::vector<std::uniqu
 void run(Options& options) {
   std::vector<Variant> variants = read_variants(options);
   make_folder(options.out);
-  options.simulation.lidar.stamp = options.stamp == "first" ? sim::StampConvention::first : sim::StampConvention::last;
-  if (options.sensor == "real") options.simulation.lidar.unit = sim::real_unit(options.unit);
-  sim::World world = sim::read_world(options.world);
-  if (options.building == "real" || (options.building == "auto" && options.sensor == "real")) world = sim::with_building_errors(world);
-  if (options.session > 0) world = sim::with_session(world, options.session);
-  sim::SimulatedSource source(world, options.simulation);
+  const sim::World world = read_world(options.simulation);
+  sim::SimulatedSource source(world, options.simulation.settings);
   write_tum(source.ground_truth(), options.out + "/ground_truth.tum");
   write_file(options.out + "/truth.json", sim::truth_json(source));
   VariantSet set(std::move(variants), source.T_base_lidar());
@@ -204,7 +177,7 @@ void run(Options& options) {
 int main(int argc, char** argv) {
   sgraph::Options options;
   CLI::App app("Maps a simulated world without writing a bag: the run folder of run_bag, and the world's truth");
-  sgraph::declare(app, options);
+  sgraph::declare_options(app, options);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

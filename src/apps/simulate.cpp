@@ -10,9 +10,9 @@
 #include <iostream>
 
 #include "sgraph_slam/core/io/tum.hpp"
-#include "sgraph_slam/core/sim/simulator.hpp"
 #include "sgraph_slam/core/util/progress.hpp"
 #include "sgraph_slam/ros/simulated_bag.hpp"
+#include "shared/simulation_options.hpp"
 
 namespace {
 
@@ -20,15 +20,9 @@ using namespace sgraph;
 using Clock = std::chrono::steady_clock;
 
 struct Options {
-  std::string world;
+  SimulationOptions simulation;
   std::string out;
-  sim::SimulationSettings settings;
-  std::string stamp = "last";
   std::string trajectory;
-  std::string sensor = "ideal";
-  std::string building = "auto";
-  std::uint64_t unit = 1;
-  std::uint64_t session = 0;
   bool no_distortion = false;
   bool check = false;
   bool no_bag = false;
@@ -42,20 +36,16 @@ void write_text(const std::string& path, const std::string& text) {
 }
 
 sim::SimulatedSource make_source(const sim::World& world, Options& options) {
-  if (options.trajectory.empty()) return {world, options.settings};
+  sim::SimulationSettings& settings = options.simulation.settings;
+  if (options.trajectory.empty()) return {world, settings};
   Trajectory recorded = read_tum(options.trajectory);
-  if (!recorded.empty()) options.settings.lidar.start = recorded.front().stamp.nanoseconds;
-  return {world, sim::Motion(std::move(recorded)), options.settings};
+  if (!recorded.empty()) settings.lidar.start = recorded.front().stamp.nanoseconds;
+  return {world, sim::Motion(std::move(recorded)), settings};
 }
 
 void run(Options& options) {
-  sim::SimulationSettings& settings = options.settings;
-  settings.lidar.motion_distortion = !options.no_distortion;
-  settings.lidar.stamp = options.stamp == "first" ? sim::StampConvention::first : sim::StampConvention::last;
-  if (options.sensor == "real") settings.lidar.unit = sim::real_unit(options.unit);
-  sim::World world = sim::read_world(options.world);
-  if (options.building == "real" || (options.building == "auto" && options.sensor == "real")) world = sim::with_building_errors(world);
-  if (options.session > 0) world = sim::with_session(world, options.session);
+  const sim::World world = read_world(options.simulation);
+  options.simulation.settings.lidar.motion_distortion = !options.no_distortion;
   sim::SimulatedSource source = make_source(world, options);
   if (!options.quiet) {
     std::fprintf(stderr, "%s: %.0f s, %.0f m at up to %.2f m/s, %d scans\n", world.name.c_str(), source.duration(), source.motion().length(),
@@ -72,7 +62,7 @@ void run(Options& options) {
   const Clock::time_point begin = Clock::now();
   write_simulated_bag(source, options.out + "/data.bag", [&](int done) {
     const double seconds = std::chrono::duration<double>(Clock::now() - begin).count();
-    if (!options.quiet) std::cerr << progress.after(done, done / settings.lidar.rate, seconds) << std::flush;
+    if (!options.quiet) std::cerr << progress.after(done, done / options.simulation.settings.lidar.rate, seconds) << std::flush;
   });
   if (!options.quiet) std::cerr << progress.end();
 }
@@ -82,26 +72,8 @@ void run(Options& options) {
 int main(int argc, char** argv) {
   Options options;
   CLI::App app{"Simulates a robot with a VLP-16 in WORLD and writes data.bag, ground_truth.tum and truth.json into OUT_DIR."};
-  app.add_option("world", options.world, "World file (docs/worlds.md)")->required();
+  declare(app, options.simulation);
   app.add_option("out_dir", options.out, "Folder to write into; made when it isn't there");
-  CLI::Option* noise = app.add_option("--noise", options.settings.lidar.range_noise, "Standard deviation of the ideal sensor's ranges [m]")
-                           ->capture_default_str()
-                           ->check(CLI::Range(0.0, 1.0));
-  app.add_option("--sensor", options.sensor, "ideal: white noise only; real: the errors of a real VLP-16 (docs/simulator.md)")
-      ->capture_default_str()
-      ->check(CLI::IsMember({"ideal", "real"}));
-  app.add_option("--unit", options.unit, "Number of the real sensor: each has its own errors")->capture_default_str()->excludes(noise);
-  app.add_option("--session", options.session, "Another day in the same building: other route, furniture moved, doors shut; 0: as in the file")
-      ->capture_default_str();
-  app.add_option("--building", options.building, "ideal: as planned; real: with the errors of real buildings; auto: like the sensor")
-      ->capture_default_str()
-      ->check(CLI::IsMember({"auto", "ideal", "real"}));
-  app.add_option("--rate", options.settings.lidar.rate, "Revolutions a second")->capture_default_str()->check(CLI::Range(5.0, 20.0));
-  app.add_option("--seed", options.settings.lidar.seed, "Seed of all random numbers")->capture_default_str();
-  app.add_option("--stamp", options.stamp, "Which firing stamps a cloud")->capture_default_str()->check(CLI::IsMember({"first", "last"}));
-  app.add_option("--duration", options.settings.duration, "End after this long [s]; 0: the whole route")
-      ->capture_default_str()
-      ->check(CLI::NonNegativeNumber);
   app.add_option("--trajectory", options.trajectory, "Move as base_link does in this TUM file instead of along the world's route")
       ->check(CLI::ExistingFile);
   app.add_flag("--no-motion-distortion", options.no_distortion, "Each scan as seen from one pose; its points carry time 0");
