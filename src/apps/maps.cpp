@@ -149,7 +149,7 @@ int merge(const std::vector<std::string>& files, const std::string& out) {
   int refused = 0;
   Pose T_new_old;  // a map begins where its first session does
   for (std::size_t i = 0; i < files.size(); ++i) {
-    const StoredMap map = read_map(files[i], Clouds::all);
+    const StoredMap map = read_map(files[i], Clouds::none);
     if (map.sessions.empty()) throw StoreError(files[i] + ": there is nothing in it yet");
     if (i == 0) T_new_old = first_pose(map, map.sessions.begin()->first).inverse();
     for (const auto& [id, session] : map.sessions) {
@@ -165,7 +165,7 @@ int merge(const std::vector<std::string>& files, const std::string& out) {
 
 // A map without some of its sessions, made again from the others.
 void split(const std::string& path, const std::vector<std::int64_t>& without, const std::string& out) {
-  const StoredMap map = read_map(path, Clouds::all);
+  const StoredMap map = read_map(path, Clouds::none);
   for (const std::int64_t id : without) {
     if (map.sessions.count(id) == 0) throw StoreError(path + ": there is no session " + std::to_string(id));
   }

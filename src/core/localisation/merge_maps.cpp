@@ -4,19 +4,26 @@
 
 #include "sgraph_slam/core/io/temporary_clouds.hpp"
 #include "sgraph_slam/core/store/map_recording.hpp"
+#include "sgraph_slam/core/store/stored_clouds.hpp"
 
 namespace sgraph {
 namespace {
 
 constexpr int enough = 100;  // inliers of a plane that a map kept: it was one
 
+std::vector<KeyframeId> keyframes_of(const StoredMap& map, std::int64_t session) {
+  std::vector<KeyframeId> ids;
+  for (const auto& [id, keyframe] : map.keyframes) {
+    if (map.session_of.at(id) == session) ids.push_back(id);
+  }
+  return ids;
+}
+
 }  // namespace
 
 std::vector<LocatedKeyframe> located_keyframes(const StoredMap& map, std::int64_t session) {
   std::map<KeyframeId, LocatedKeyframe> all;
-  for (const auto& [id, keyframe] : map.keyframes) {
-    if (map.session_of.at(id) == session) all[id].keyframe = keyframe;
-  }
+  for (const KeyframeId id : keyframes_of(map, session)) all[id].keyframe = map.keyframes.at(id);
   if (all.empty()) return {};
   const Pose T_lidar_base = map.sessions.at(session).T_base_lidar.inverse();
   for (const auto& [id, view] : map.views) {
@@ -47,6 +54,9 @@ std::vector<LocatedKeyframe> located_keyframes(const StoredMap& map, std::int64_
 Localisation add_session(const StoredMap& from, std::int64_t session, const std::string& into, const std::string& out,
                          const std::optional<Pose>& near, const MappingParams& params) {
   const std::vector<LocatedKeyframe> keyframes = located_keyframes(from, session);
+  const std::vector<KeyframeId> stored = keyframes_of(from, session);  // in the same order
+  std::optional<StoredClouds> clouds;
+  if (!from.path.empty()) clouds.emplace(from.path);
   const StoredSession& about = from.sessions.at(session);
   SessionStart start;
   if (!into.empty()) start = {take_map(into), MapMode::extend, near};
@@ -58,7 +68,11 @@ Localisation add_session(const StoredMap& from, std::int64_t session, const std:
     recording.emplace(out, about);
   }
   mapping.observe(&recording->observer());
-  for (const LocatedKeyframe& seen : keyframes) mapping.process(seen.keyframe, seen.segments);
+  for (std::size_t i = 0; i < keyframes.size(); ++i) {
+    Keyframe keyframe = keyframes[i].keyframe;
+    if (!keyframe.cloud && clouds) keyframe.cloud = clouds->get(stored[i]);  // one at a time: a building's don't fit into memory
+    mapping.process(keyframe, keyframes[i].segments);
+  }
   mapping.optimize();
   mapping.observe(nullptr);
   recording->finish();

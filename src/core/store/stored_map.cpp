@@ -165,6 +165,7 @@ StoredMap read_map(const std::string& path, Clouds clouds) {
   check_schema(database);
   database.execute("BEGIN");  // one state of it, also while it is being written
   StoredMap map;
+  map.path = path;
   each(database, "sessions", select_sessions, [&](const Statement& row) { map.sessions[row.integer(0)] = session_from(row); });
   each(database, "keyframes", select_keyframes, [&](const Statement& row) {
     const Keyframe keyframe = keyframe_from(row);

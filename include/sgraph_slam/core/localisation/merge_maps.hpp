@@ -14,7 +14,7 @@ std::vector<LocatedKeyframe> located_keyframes(const StoredMap& map, std::int64_
 
 /// Adds a session to the map in `into`, in the file `out` (the same or a new one); without `into` it begins a map. `near`: T_map_base of its first
 /// keyframe, when that is known; else its place is searched for. Returns how its place was found; `not_found` or `ambiguous`: the map is as it was.
-/// Throws StoreError.
+/// Clouds that `from` doesn't hold are read from its file, one at a time. Throws StoreError.
 Localisation add_session(const StoredMap& from, std::int64_t session, const std::string& into, const std::string& out,
                          const std::optional<Pose>& near, const MappingParams& params);
 

@@ -11,6 +11,7 @@ namespace sgraph {
 
 /// The contents of a map file.
 struct StoredMap {
+  std::string path;  ///< of the file; empty when it was made otherwise
   std::map<std::int64_t, StoredSession> sessions;
   std::map<KeyframeId, Keyframe> keyframes;  ///< measurements; without clouds unless they were asked for
   std::map<KeyframeId, std::int64_t> session_of;
