@@ -1,6 +1,7 @@
 #include "sgraph_slam/core/places/regions.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include <Eigen/Geometry>
@@ -43,7 +44,7 @@ void draw(cv::Mat& barrier, const FreeSpace& space, const CellWindow& window, co
            cv::LINE_4, shift);
 }
 
-// Cells that nothing bounds: free, and on no wall or cut.
+// Cells that nothing bounds: free, and on no wall or cut. None at the border of the window.
 cv::Mat open_cells(const FreeSpace& space, const CellWindow& window, const std::vector<WallLine>& lines) {
   cv::Mat barrier = cv::Mat::zeros(window.height, window.width, CV_8U);
   for (const WallLine& line : lines) {
@@ -58,16 +59,75 @@ cv::Mat open_cells(const FreeSpace& space, const CellWindow& window, const std::
     }
   }
   cv::Mat open = cv::Mat::zeros(window.height, window.width, CV_8U);
-  for (int y = 0; y < window.height; ++y) {
+  for (int y = 1; y < window.height - 1; ++y) {
     const FreeCell* row =
         &space.cells()[static_cast<std::size_t>(y + window.y) * static_cast<std::size_t>(space.width()) + static_cast<std::size_t>(window.x)];
     const uchar* bar = barrier.ptr<uchar>(y);
     uchar* out = open.ptr<uchar>(y);
-    for (int x = 0; x < window.width; ++x) {
+    for (int x = 1; x < window.width - 1; ++x) {
       if (bar[x] == 0 && row[x].free()) out[x] = 255;
     }
   }
   return open;
+}
+
+// Numbers the pieces that a disc of the robot's radius can pass between and that are large enough to be one.
+void label_cores(const cv::Mat& core, double least_cells, Regions& regions) {
+  cv::Mat labels;
+  cv::Mat stats;
+  cv::Mat centers;
+  const int n = cv::connectedComponentsWithStats(core, labels, stats, centers, 4, CV_32S);
+  std::vector<std::int32_t> number(static_cast<std::size_t>(n), -1);
+  for (int i = 1; i < n; ++i) {
+    if (stats.at<int>(i, cv::CC_STAT_AREA) >= least_cells) number[static_cast<std::size_t>(i)] = regions.count++;
+  }
+  auto label = regions.label.begin();
+  for (int y = 0; y < core.rows; ++y) {
+    const int* row = labels.ptr<int>(y);
+    for (int x = 0; x < core.cols; ++x) *label++ = number[static_cast<std::size_t>(row[x])];
+  }
+}
+
+// Gives the rest of the open cells to the piece that reaches them first. Nothing is open at the window's border.
+void grow(const cv::Mat& open, Regions& regions) {
+  const auto width = static_cast<std::ptrdiff_t>(open.cols);
+  const std::array<std::ptrdiff_t, 4> ways{1, -1, width, -width};
+  const uchar* is_open = open.ptr<uchar>();
+  std::vector<std::int32_t>& label = regions.label;
+  const auto at = [](std::ptrdiff_t i) { return static_cast<std::size_t>(i); };
+  std::vector<std::ptrdiff_t> front;
+  for (std::ptrdiff_t i = width; i + width < static_cast<std::ptrdiff_t>(label.size()); ++i) {
+    if (label[at(i)] < 0) continue;
+    const auto is_free = [&](std::ptrdiff_t way) { return label[at(i + way)] < 0 && is_open[i + way] != 0; };
+    if (std::any_of(ways.begin(), ways.end(), is_free)) front.push_back(i);
+  }
+  for (std::size_t next = 0; next < front.size(); ++next) {
+    const std::ptrdiff_t i = front[next];
+    for (const std::ptrdiff_t way : ways) {
+      std::int32_t& neighbour = label[at(i + way)];
+      if (neighbour >= 0 || is_open[i + way] == 0) continue;
+      neighbour = label[at(i)];
+      front.push_back(i + way);
+    }
+  }
+}
+
+void measure_extents(Regions& regions) {
+  std::vector<Eigen::AlignedBox2i> boxes(static_cast<std::size_t>(regions.count));
+  auto label = regions.label.begin();
+  for (int y = 0; y < regions.window.height; ++y) {
+    std::int32_t before = -1;
+    for (int x = 0; x < regions.window.width; ++x) {
+      const std::int32_t region = *label++;
+      // The ends of a run are enough.
+      if (region != before && before >= 0) boxes[static_cast<std::size_t>(before)].extend(Eigen::Vector2i(x - 1, y));
+      if (region != before && region >= 0) boxes[static_cast<std::size_t>(region)].extend(Eigen::Vector2i(x, y));
+      before = region;
+    }
+    if (before >= 0) boxes[static_cast<std::size_t>(before)].extend(Eigen::Vector2i(regions.window.width - 1, y));
+  }
+  for (const Eigen::AlignedBox2i& box : boxes)
+    regions.extent.push_back({regions.window.x + box.min().x(), regions.window.y + box.min().y(), box.sizes().x() + 1, box.sizes().y() + 1});
 }
 
 }  // namespace
@@ -79,49 +139,14 @@ Regions find_regions(const FreeSpace& space, const std::vector<WallLine>& lines,
   const int w = regions.window.width;
   const int h = regions.window.height;
   if (w <= 2 || h <= 2) return {};
-  regions.label.assign(static_cast<std::size_t>(w) * static_cast<std::size_t>(h), -1);
+  regions.label.resize(static_cast<std::size_t>(w) * static_cast<std::size_t>(h));
   const cv::Mat open = open_cells(space, regions.window, lines);
   cv::Mat distance;
   cv::distanceTransform(open, distance, cv::DIST_L2, cv::DIST_MASK_5);
-  const cv::Mat core = distance > params.robot_radius / space.resolution();
-  cv::Mat labels;
-  cv::Mat stats;
-  cv::Mat centers;
-  const int n = cv::connectedComponentsWithStats(core, labels, stats, centers, 4, CV_32S);
   const double cell_area = space.resolution() * space.resolution();
-  std::vector<int> number(static_cast<std::size_t>(n), -1);
-  for (int i = 1; i < n; ++i) {
-    if (stats.at<int>(i, cv::CC_STAT_AREA) * cell_area >= 0.3 * params.min_area) number[static_cast<std::size_t>(i)] = regions.count++;
-  }
-  std::vector<int> front;
-  for (int y = 0; y < h; ++y) {
-    const int* row = labels.ptr<int>(y);
-    for (int x = 0; x < w; ++x) {
-      const int region = number[static_cast<std::size_t>(row[x])];
-      if (region < 0) continue;
-      regions.label[static_cast<std::size_t>(y * w + x)] = region;
-      front.push_back(y * w + x);
-    }
-  }
-  // The rest of the open cells, nearest first.
-  for (std::size_t next = 0; next < front.size(); ++next) {
-    const int at = front[next];
-    const int x = at % w;
-    const int y = at / w;
-    for (const auto& [dx, dy] : {std::pair(1, 0), std::pair(-1, 0), std::pair(0, 1), std::pair(0, -1)}) {
-      const int nx = x + dx;
-      const int ny = y + dy;
-      if (nx < 0 || ny < 0 || nx >= w || ny >= h || open.at<uchar>(ny, nx) == 0) continue;
-      auto& label = regions.label[static_cast<std::size_t>(ny * w + nx)];
-      if (label >= 0) continue;
-      label = regions.label[static_cast<std::size_t>(at)];
-      front.push_back(ny * w + nx);
-    }
-  }
-  std::vector<Eigen::AlignedBox2i> boxes(static_cast<std::size_t>(regions.count));
-  for (const int at : front) boxes[static_cast<std::size_t>(regions.label[static_cast<std::size_t>(at)])].extend(Eigen::Vector2i(at % w, at / w));
-  for (const Eigen::AlignedBox2i& box : boxes)
-    regions.extent.push_back({regions.window.x + box.min().x(), regions.window.y + box.min().y(), box.sizes().x() + 1, box.sizes().y() + 1});
+  label_cores(distance > params.robot_radius / space.resolution(), 0.3 * params.min_area / cell_area, regions);
+  grow(open, regions);
+  measure_extents(regions);
   regions.entered.assign(static_cast<std::size_t>(regions.count), 0);
   for (const Eigen::Vector2d& p : path) {
     const Eigen::Vector2d c = ((p - space.origin()) / space.resolution()).array().floor();

@@ -4,7 +4,9 @@
 #include <cmath>
 #include <iomanip>
 #include <limits>
+#include <map>
 #include <sstream>
+#include <utility>
 
 #include <Eigen/Geometry>
 
@@ -48,18 +50,40 @@ const char* kind_text(PlaceKind kind) {
   return "hall";
 }
 
-Eigen::AlignedBox2d box_of(const Polygon2d& polygon) {
-  Eigen::AlignedBox2d box;
-  for (const Eigen::Vector2d& p : polygon) box.extend(p);
-  return box;
+// A place's floor on a grid: by row, the stretches of its cells [first, end).
+using Footprint = std::map<int, std::vector<std::pair<int, int>>>;
+
+Footprint footprint_of(const PlaceOutline& outline) {
+  std::map<int, std::vector<double>> crossings;  // by row, with all loops: a hole takes out what lies within it
+  const auto add = [&](const Polygon2d& polygon) {
+    for (std::size_t i = 0; i < polygon.size(); ++i) {
+      const Eigen::Vector2d& a = polygon[i];
+      const Eigen::Vector2d& b = polygon[(i + 1) % polygon.size()];
+      const double low = std::min(a.y(), b.y()) / grid - 0.5;
+      const double high = std::max(a.y(), b.y()) / grid - 0.5;
+      for (int row = static_cast<int>(std::floor(low)) + 1; row <= static_cast<int>(std::floor(high)); ++row)
+        crossings[row].push_back(a.x() + ((row + 0.5) * grid - a.y()) / (b.y() - a.y()) * (b.x() - a.x()));
+    }
+  };
+  add(outline.polygon);
+  for (const PlaceLoop& hole : outline.holes) add(hole.polygon);
+  Footprint footprint;
+  for (auto& [row, at] : crossings) {
+    std::sort(at.begin(), at.end());
+    const auto first_from = [](double x) { return static_cast<int>(std::ceil(x / grid - 0.5)); };
+    for (std::size_t i = 0; i + 1 < at.size(); i += 2) footprint[row].emplace_back(first_from(at[i]), first_from(at[i + 1]));
+  }
+  return footprint;
 }
 
-double common_area(const PlaceOutline& a, const PlaceOutline& b) {
-  const Eigen::AlignedBox2d box = box_of(a.polygon).intersection(box_of(b.polygon));
-  if (box.isEmpty()) return 0;
+double common_area(const Footprint& a, const Footprint& b) {
   int cells = 0;
-  for (double y = box.min().y() + 0.5 * grid; y < box.max().y(); y += grid) {
-    for (double x = box.min().x() + 0.5 * grid; x < box.max().x(); x += grid) cells += contains(a, {x, y}) && contains(b, {x, y}) ? 1 : 0;
+  for (const auto& [row, own] : a) {
+    const auto other = b.find(row);
+    if (other == b.end()) continue;
+    for (const auto& [first, end] : own) {
+      for (const auto& [from, to] : other->second) cells += std::max(0, std::min(end, to) - std::max(first, from));
+    }
   }
   return cells * grid * grid;
 }
@@ -153,13 +177,15 @@ std::vector<std::string> TopologicalLayer::give_names(Graph& graph, std::vector<
     std::size_t known, found;
   };
   std::vector<Match> matches;
+  std::vector<Footprint> footprints;
+  for (const FoundPlace& place : found) footprints.push_back(footprint_of(place.outline));
   for (std::size_t k = 0; k < known.size(); ++k) {
+    const Footprint own = footprint_of(known[k].record.place.outline);
+    const double size = area(known[k].record.place.outline);
     for (std::size_t f = 0; f < found.size(); ++f) {
       if (known[k].record.storey != storeys[f]) continue;
-      const PlaceOutline& a = known[k].record.place.outline;
-      const PlaceOutline& b = found[f].outline;
-      const double common = common_area(a, b);
-      if (common > same_place * std::min(area(a), area(b))) matches.push_back({common, k, f});
+      const double common = common_area(own, footprints[f]);
+      if (common > same_place * std::min(size, area(found[f].outline))) matches.push_back({common, k, f});
     }
   }
   std::stable_sort(matches.begin(), matches.end(), [&](const Match& a, const Match& b) {
