@@ -7,6 +7,7 @@
 #include <Eigen/Geometry>
 
 #include "doors.hpp"
+#include "sgraph_slam/core/places/islands.hpp"
 
 namespace sgraph {
 namespace {
@@ -458,7 +459,9 @@ FoundPlaces find_places(const FreeSpace& space, const std::vector<Wall>& walls, 
                         const PlaceParams& params) {
   FoundPlaces found;
   std::vector<WallLine> lines = find_wall_lines(walls, space, path, params);
-  const Regions regions = find_regions(space, lines, path, params);
+  join_over_low_lines(space, params, lines);
+  Regions regions = find_regions(space, lines, path, params);
+  if (drop_islands(space, regions, lines)) regions = find_regions(space, lines, path, params);
   std::vector<FoundPlace> corridors;
   std::vector<Piece> pieces_of_corridors;
   std::vector<int> composite;

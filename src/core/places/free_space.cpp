@@ -17,7 +17,9 @@ constexpr double growth = 10;       // the raster grows by whole steps of this [
 constexpr std::uint8_t low_bit = 1;
 constexpr std::uint8_t mid_bit = 2;
 constexpr std::uint8_t high_bit = 4;
-constexpr std::uint8_t hit_bit = 8;
+constexpr std::uint8_t over_bit = 8;
+constexpr std::uint8_t hit_bit = 16;
+constexpr std::uint8_t hit_over_bit = 32;
 
 // Where the LiDAR was when a point was measured: between the viewpoints around its time.
 std::uint16_t viewpoint_of(const std::vector<Viewpoint>& viewpoints, double time) {
@@ -100,16 +102,16 @@ void FreeSpace::trace(const Eigen::Vector3d& from, const Eigen::Vector3d& to, do
   const Eigen::Vector2d way = (to - from).head<2>() / cell_size;
   const double length = way.norm() * cell_size;
   if (length < cell_size) return;
-  // The part of the ray that counts: within reach, between ankle and head.
+  // The part of the ray that counts: within reach, above the ankle.
   double leave = std::min(1.0, params_.reach / length);
   double enter = 0;
   const double low = floor_z + params_.ankle - from.z();
-  const double high = floor_z + params_.head - from.z();
   const double rise = to.z() - from.z();
-  if (std::abs(rise) > 1e-9) {
-    enter = std::max(enter, std::min(low / rise, high / rise));
-    leave = std::min(leave, std::max(low / rise, high / rise));
-  } else if (low > 0 || high < 0) {
+  if (rise > 1e-9) {
+    enter = std::max(enter, low / rise);
+  } else if (rise < -1e-9) {
+    leave = std::min(leave, low / rise);
+  } else if (low > 0) {
     return;
   }
   if (enter >= leave) return;
@@ -125,8 +127,9 @@ void FreeSpace::trace(const Eigen::Vector3d& from, const Eigen::Vector3d& to, do
     delta[k] = still ? std::numeric_limits<double>::infinity() : 1 / std::abs(way[k]);
     next[k] = still ? delta[k] : enter + (way[k] < 0 ? position[k] - cell[k] : cell[k] + 1 - position[k]) * delta[k];
   }
-  const double sill = (floor_z + params_.sill - from.z());
-  const double shelf = (floor_z + params_.shelf - from.z());
+  const double sill = floor_z + params_.sill - from.z();
+  const double shelf = floor_z + params_.shelf - from.z();
+  const double head = floor_z + params_.head - from.z();
   const auto set = [&](const Eigen::Vector2i& c, std::uint8_t bit) {
     const std::size_t i =
         static_cast<std::size_t>(c.y() - first_.y()) * static_cast<std::size_t>(width_) + static_cast<std::size_t>(c.x() - first_.x());
@@ -137,13 +140,13 @@ void FreeSpace::trace(const Eigen::Vector3d& from, const Eigen::Vector3d& to, do
   while (cell != end) {
     const int k = next.x() < next.y() ? 0 : 1;
     const double z = 0.5 * (t + std::min(next[k], leave)) * rise;
-    set(cell, z < sill ? low_bit : z < shelf ? mid_bit : high_bit);
+    set(cell, z < sill ? low_bit : z < shelf ? mid_bit : z < head ? high_bit : over_bit);
     if (next[k] > leave) break;
     t = next[k];
     cell[k] += step[k];
     next[k] += delta[k];
   }
-  if (hit) set(end, hit_bit);
+  if (hit) set(end, rise < head ? hit_bit : hit_over_bit);
 }
 
 void FreeSpace::mark(const Rays& rays, const Mark& at, int sign) {
@@ -168,6 +171,7 @@ void FreeSpace::mark(const Rays& rays, const Mark& at, int sign) {
     const std::uint8_t bits = touched_bits_[i];
     touched_bits_[i] = 0;
     const auto count = [sign](std::uint16_t& value) { value = static_cast<std::uint16_t>(value + sign); };
+    if ((bits & over_bit) && !(bits & hit_over_bit)) count(cell.over);
     // A cell with a surface is not free to this keyframe, whatever passed beside the surface within it.
     if (bits & hit_bit) {
       count(cell.hits);

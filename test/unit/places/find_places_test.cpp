@@ -170,6 +170,46 @@ TEST(FindPlaces, ARoomWithinAHallIsAHoleOfIt) {
   EXPECT_EQ(found.doors.size(), 1U);
 }
 
+// Two rows that leave an aisle of 3 m between them, openings of which are far less than half as wide as the hall.
+FoundPlaces found_between_rows(double height) {
+  ScannedPlan scanned;
+  scanned.face({{0, 0}, {24, 0}, {24, 14}, {0, 14}});
+  scanned.box({4, 3}, {20, 5}, height);
+  scanned.box({4, 8}, {20, 10}, height);
+  scanned.walk({{2, 1.5}, {22, 1.5}, {22, 6.5}, {2, 6.5}, {2, 12}, {22, 12}});
+  return found_in(scanned);
+}
+
+TEST(FindPlaces, RowsThatDoNotReachTheCeilingStandWithinOnePlace) {
+  const FoundPlaces found = found_between_rows(1.6);
+  ASSERT_EQ(found.places.size(), 1U);
+  EXPECT_EQ(found.places[0].kind, PlaceKind::room);
+  EXPECT_NEAR(area(found.places[0].outline), 24 * 14, 1e-6);
+  EXPECT_TRUE(found.doors.empty());
+}
+
+TEST(FindPlaces, RowsThatReachTheCeilingPartTheFloor) {
+  const FoundPlaces found = found_between_rows(100);
+  EXPECT_GT(found.places.size(), 1U);
+  for (const FoundPlace& place : found.places) EXPECT_LT(area(place.outline), 24 * 14 - 4 * 16 + 1);
+}
+
+TEST(FindPlaces, AnOfficeThatDoesNotReachTheHallsCeilingIsARoom) {
+  ScannedPlan scanned;
+  scanned.face({{0, 0}, {24, 0}, {24, 14}, {0, 14}});
+  const std::size_t first = scanned.plan.walls.size();
+  scanned.wall({9, 5}, {14, 5}, {{2, 2.9}});
+  scanned.wall({14, 5}, {14, 9});
+  scanned.wall({14, 9}, {9, 9});
+  scanned.wall({9, 9}, {9, 5});
+  for (std::size_t i = first; i < scanned.plan.walls.size(); ++i) scanned.heights[i] = 1.6;
+  scanned.walk({{2, 2}, {22, 2}, {22, 12}, {2, 12}, {2, 3}, {11.45, 3}, {11.45, 7}, {13, 7}});
+  const FoundPlaces found = found_in(scanned);
+  ASSERT_EQ(found.places.size(), 2U);
+  ASSERT_EQ(found.doors.size(), 1U);
+  EXPECT_NEAR(area(found.places[0].outline) + area(found.places[1].outline), 24 * 14 - 5.15 * 4.15 + 4.85 * 3.85, 0.05);
+}
+
 TEST(FindPlaces, WhatTheRobotHasNotEnteredIsNoPlace) {
   ScannedPlan scanned;
   scanned.face({{0, 0}, {10, 0}, {10, 4}, {0, 4}});

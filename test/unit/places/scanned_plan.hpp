@@ -11,13 +11,14 @@
 
 namespace sgraph {
 
-/// A hand-drawn plan and what a LiDAR 0.7 m above its floor saw from some positions. Walls are as high as the rays.
+/// A hand-drawn plan and what a LiDAR 0.7 m above its floor saw from some positions. Walls are as high as the rays unless they have a height.
 struct ScannedPlan {
   Plan plan;
   std::vector<Eigen::Vector2d> path;
   std::map<KeyframeId, Pose> poses;
   FreeSpace space{FreeSpaceParams{}};
   std::vector<std::pair<KeyframeId, Cloud>> clouds;
+  std::map<std::size_t, double> heights;  ///< of walls that rays can pass over, by their place in the plan [m]
 
   /// Both faces of a wall of 0.15 m about the line from a to b.
   void wall(const Eigen::Vector2d& a, const Eigen::Vector2d& b, const std::vector<Interval>& holes = {}) {
@@ -37,6 +38,15 @@ struct ScannedPlan {
   void face(const std::vector<Eigen::Vector2d>& corners, const std::vector<std::vector<Interval>>& holes = {}) {
     for (std::size_t i = 0; i < corners.size(); ++i)
       plan.add(corners[i], corners[(i + 1) % corners.size()], i < holes.size() ? holes[i] : std::vector<Interval>{});
+  }
+
+  /// The four faces of a box that stands on the floor.
+  void box(const Eigen::Vector2d& low, const Eigen::Vector2d& high, double height) {
+    const std::vector<Eigen::Vector2d> corners{low, {low.x(), high.y()}, high, {high.x(), low.y()}};
+    for (std::size_t i = 0; i < 4; ++i) {
+      heights[plan.walls.size()] = height;
+      plan.add(corners[i], corners[(i + 1) % 4]);
+    }
   }
 
   /// Walks along the points and looks around every half metre.
@@ -66,8 +76,8 @@ struct ScannedPlan {
     for (int i = 0; i < 720; ++i) {
       const double azimuth = i * M_PI / 360;
       const Eigen::Vector2d u(std::cos(azimuth), std::sin(azimuth));
-      const double range = std::min(range_along(p, u), 30.0);
-      for (const double slope : {-0.12, -0.04, 0.02, 0.1}) {
+      for (const double slope : {-0.12, -0.04, 0.02, 0.1, 0.25}) {
+        const double range = std::min(range_along(p, u, slope), 30.0);
         const double reached = slope < 0 ? std::min(range, 0.7 / -slope) : range;
         Point point;
         point.set_position(Eigen::Vector3d(reached * u.x(), reached * u.y(), reached * slope).cast<float>());
@@ -78,13 +88,16 @@ struct ScannedPlan {
     clouds.emplace_back(id, std::move(cloud));
   }
 
-  [[nodiscard]] double range_along(const Eigen::Vector2d& p, const Eigen::Vector2d& u) const {
+  [[nodiscard]] double range_along(const Eigen::Vector2d& p, const Eigen::Vector2d& u, double slope) const {
     double nearest = std::numeric_limits<double>::infinity();
-    for (const Wall& wall : plan.walls) {
+    for (std::size_t i = 0; i < plan.walls.size(); ++i) {
+      const Wall& wall = plan.walls[i];
+      const auto height = heights.find(i);
       const double across = wall.normal.dot(u);
       if (std::abs(across) < 1e-9) continue;
       const double range = -wall.distance(p) / across;
       if (range <= 0 || range >= nearest) continue;
+      if (height != heights.end() && 0.7 + slope * range > height->second) continue;
       const double along = wall.direction().dot(p + range * u);
       for (const Interval& part : wall.support) {
         if (along >= part.low && along <= part.high) nearest = range;

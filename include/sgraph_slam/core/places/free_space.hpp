@@ -19,6 +19,7 @@ struct FreeCell {
   std::uint16_t low = 0;   ///< rays below a window's sill: only doors and open floor let these through
   std::uint16_t mid = 0;   ///< rays above it, up to what furniture rarely reaches
   std::uint16_t high = 0;  ///< rays up to head height
+  std::uint16_t over = 0;  ///< rays higher than that: over what does not reach the ceiling, or through it
   std::uint16_t hits = 0;  ///< surfaces between ankle and head height
 
   [[nodiscard]] bool seen_through() const { return low > 0 || mid > 0 || high > 0; }

@@ -1,0 +1,134 @@
+#include "sgraph_slam/core/places/islands.hpp"
+
+#include <algorithm>
+#include <array>
+
+#include <opencv2/imgproc.hpp>
+
+namespace sgraph {
+namespace {
+
+constexpr double step = 0.05;                            // along a line [m]
+constexpr std::array<double, 2> within_wall{0.05, 0.1};  // behind a face: no wall is thinner [m]
+constexpr std::uint16_t least_views = 2;                 // keyframes that saw past it: one may be mistaken
+constexpr double most = 0.5;                             // share of a face
+
+// Visits the stretches of a line that bound, in steps: positions just behind the face.
+template <class Visit>
+void visit_behind(const WallLine& line, Visit visit) {
+  for (const Interval& part : line.solid) {
+    for (double s = part.low + 0.5 * step; s < part.high; s += step) visit(line.at(s));
+  }
+}
+
+bool passed_over(const FreeSpace& space, const WallLine& line, const Eigen::Vector2d& p) {
+  return std::all_of(within_wall.begin(), within_wall.end(), [&](double depth) { return space.at(p - depth * line.normal).over >= least_views; });
+}
+
+bool reaches_ceiling(const FreeSpace& space, const WallLine& line) {
+  int all = 0;
+  int over = 0;
+  visit_behind(line, [&](const Eigen::Vector2d& p) {
+    ++all;
+    over += passed_over(space, line, p) ? 1 : 0;
+  });
+  return over <= most * all;
+}
+
+// What is no floor of an entered place, in connected pieces.
+struct Pieces {
+  cv::Mat label;             // by cell of the window: 0 for the floor of a place
+  std::vector<char> island;  // by label: a single place surrounds it
+};
+
+Pieces find_pieces(const Regions& regions) {
+  const int w = regions.window.width;
+  const int h = regions.window.height;
+  cv::Mat other(h, w, CV_8U);
+  const auto place_at = [&](int x, int y) {
+    const std::int32_t region = regions.label[static_cast<std::size_t>(y) * static_cast<std::size_t>(w) + static_cast<std::size_t>(x)];
+    return region >= 0 && regions.entered[static_cast<std::size_t>(region)] ? region : -1;
+  };
+  for (int y = 0; y < h; ++y) {
+    for (int x = 0; x < w; ++x) other.at<uchar>(y, x) = place_at(x, y) < 0 ? 255 : 0;
+  }
+  Pieces pieces;
+  const int n = cv::connectedComponents(other, pieces.label, 8, CV_32S);
+  constexpr int nobody = -1;
+  constexpr int several = -2;
+  std::vector<int> neighbour(static_cast<std::size_t>(n), nobody);
+  const auto touch = [&](int piece, int place) {
+    int& known = neighbour[static_cast<std::size_t>(piece)];
+    if (known == nobody) known = place;
+    if (known != place) known = several;
+  };
+  for (int y = 0; y < h; ++y) {
+    for (int x = 0; x < w; ++x) {
+      const int piece = pieces.label.at<int>(y, x);
+      if (x + 1 < w) {
+        const int right = pieces.label.at<int>(y, x + 1);
+        if (piece == 0 && right != 0) touch(right, place_at(x, y));
+        if (piece != 0 && right == 0) touch(piece, place_at(x + 1, y));
+      }
+      if (y + 1 < h) {
+        const int above = pieces.label.at<int>(y + 1, x);
+        if (piece == 0 && above != 0) touch(above, place_at(x, y));
+        if (piece != 0 && above == 0) touch(piece, place_at(x, y + 1));
+      }
+    }
+  }
+  pieces.island.assign(static_cast<std::size_t>(n), 0);
+  for (int i = 1; i < n; ++i) pieces.island[static_cast<std::size_t>(i)] = neighbour[static_cast<std::size_t>(i)] >= 0;
+  // The border of the window is no floor: what touches it is outside.
+  for (int x = 0; x < w; ++x) pieces.island[static_cast<std::size_t>(pieces.label.at<int>(0, x))] = 0;
+  return pieces;
+}
+
+}  // namespace
+
+void join_over_low_lines(const FreeSpace& space, const PlaceParams& params, std::vector<WallLine>& lines) {
+  for (WallLine& line : lines) {
+    const auto is_wide = [&](const Gap& gap) { return gap.cut && gap.along.length() > params.max_door; };
+    if (std::none_of(line.gaps.begin(), line.gaps.end(), is_wide) || reaches_ceiling(space, line)) continue;
+    for (Gap& gap : line.gaps) gap.cut = gap.cut && !is_wide(gap);
+  }
+}
+
+bool drop_islands(const FreeSpace& space, const Regions& regions, std::vector<WallLine>& lines) {
+  std::vector<char> low(lines.size(), 0);
+  for (std::size_t k = 0; k < lines.size(); ++k) low[k] = !reaches_ceiling(space, lines[k]);
+  if (std::find(low.begin(), low.end(), 1) == low.end() || regions.count == 0) return false;
+  const Pieces pieces = find_pieces(regions);
+  const auto piece_at = [&](const Eigen::Vector2d& p) {
+    const Eigen::Vector2d c = ((p - space.origin()) / space.resolution()).array().floor();
+    const int x = static_cast<int>(c.x()) - regions.window.x;
+    const int y = static_cast<int>(c.y()) - regions.window.y;
+    return x < 0 || y < 0 || x >= regions.window.width || y >= regions.window.height ? 0 : pieces.label.at<int>(y, x);
+  };
+  // An island is low when most of what bounds it is.
+  std::vector<double> bounded(pieces.island.size(), 0);
+  std::vector<double> passed(pieces.island.size(), 0);
+  std::vector<std::vector<int>> at(lines.size());
+  for (std::size_t k = 0; k < lines.size(); ++k) {
+    visit_behind(lines[k], [&](const Eigen::Vector2d& p) {
+      const int piece = piece_at(p - within_wall[0] * lines[k].normal);
+      at[k].push_back(piece);
+      bounded[static_cast<std::size_t>(piece)] += step;
+      if (passed_over(space, lines[k], p)) passed[static_cast<std::size_t>(piece)] += step;
+    });
+  }
+  std::vector<WallLine> kept;
+  for (std::size_t k = 0; k < lines.size(); ++k) {
+    const auto is_low = [&](int piece) {
+      const auto i = static_cast<std::size_t>(piece);
+      return pieces.island[i] && passed[i] > most * bounded[i];
+    };
+    const auto within = std::count_if(at[k].begin(), at[k].end(), is_low);
+    if (2 * static_cast<std::size_t>(within) <= at[k].size()) kept.push_back(std::move(lines[k]));
+  }
+  const bool dropped = kept.size() < lines.size();
+  lines = std::move(kept);
+  return dropped;
+}
+
+}  // namespace sgraph
