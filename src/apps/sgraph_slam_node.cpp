@@ -1,10 +1,10 @@
 // The four nodelets in one process of their own: clouds pass between them as pointers, and the process ends cleanly at any moment.
-#include <class_loader/class_loader.hpp>
 #include <nodelet/loader.h>
 #include <nodelet/nodelet.h>
 #include <pthread.h>
 #include <ros/ros.h>
 #include <unistd.h>
+#include <class_loader/class_loader.hpp>
 
 #include <atomic>
 #include <csignal>

@@ -96,6 +96,7 @@ void measure(Cell& cell, const FreeSpace& space, const Regions& regions, int reg
       low = std::min(low, x);
       high = std::max(high, x);
     }
+    if (high < low) continue;  // the first row's and the last row's middle may lie outside
     for (int x = std::max(first.x(), static_cast<int>(std::ceil((low - space.origin().x()) / size - 0.5)));
          x <= last.x() && space.origin().x() + (x + 0.5) * size <= high; ++x)
       count(x, y);
