@@ -4,6 +4,7 @@
 #include <cmath>
 #include <deque>
 
+#include "lift.hpp"
 #include "people.hpp"
 #include "sgraph_slam/core/util/rng.hpp"
 #include "streams.hpp"
@@ -126,6 +127,7 @@ class Lidar::Implementation {
         texture_(world_seed, static_cast<std::uint64_t>(Stream::texture)),
         colour_(world_seed, static_cast<std::uint64_t>(Stream::colour)),
         real_(settings.unit.kind == SensorKind::real) {
+    for (std::size_t i = 0; i < world.lifts.size(); ++i) lifts_.emplace_back(world, i, motion_);
     for (int i = 0; i < azimuth_steps; ++i) circle_.emplace_back(std::cos(2 * M_PI * i / azimuth_steps), std::sin(2 * M_PI * i / azimuth_steps));
     for (int ring = 0; ring < vlp16::lasers; ++ring) {
       const double nominal = vlp16::elevation(ring);
@@ -144,9 +146,11 @@ class Lidar::Implementation {
     const std::int64_t margin = real_ ? 1 : 0;
     Frame begin = frame_at(settings_.motion_distortion ? static_cast<double>(first - margin) * vlp16::firing_interval : stamp_time);
     std::deque<Shot> shots;
+    std::vector<LiftTrack> lifts = lifts_;  // at the moment of a firing
     for (std::int64_t firing = first - margin; firing < last + margin; ++firing) {
       const Frame end = settings_.motion_distortion ? frame_at(static_cast<double>(firing + 1) * vlp16::firing_interval) : begin;
-      shots.push_back(fire(firing, begin, end));
+      for (LiftTrack& lift : lifts) lift.move_to(static_cast<double>(firing) * vlp16::firing_interval);
+      shots.push_back(fire(firing, begin, end, lifts));
       begin = end;
       if (!real_) {
         report(shots.front(), stamp_time, cloud.points);
@@ -165,7 +169,7 @@ class Lidar::Implementation {
     return {pose.matrix(), pose.translation};
   }
 
-  [[nodiscard]] Shot fire(std::int64_t firing, const Frame& begin, const Frame& end) const {
+  [[nodiscard]] Shot fire(std::int64_t firing, const Frame& begin, const Frame& end, const std::vector<LiftTrack>& lifts) const {
     const double time = static_cast<double>(firing) * vlp16::firing_interval;
     RayPacket rays;
     for (std::size_t n = 0; n < vlp16::lasers; ++n) {
@@ -185,7 +189,7 @@ class Lidar::Implementation {
     shot.firing = firing;
     shot.origin = rays.origin;
     shot.direction = rays.direction;
-    trace(rays, firing, shot.echoes);
+    trace(rays, firing, lifts, shot.echoes);
     return shot;
   }
 
@@ -215,8 +219,9 @@ class Lidar::Implementation {
   }
 
   // Follows the rays through panes to the surface that returns them; distance 0 when none does.
-  void trace(RayPacket& rays, std::int64_t firing, std::array<Echo, packet_size>& echoes) const {
-    const std::array<Echo, packet_size> people = trace_people(rays, firing);
+  void trace(RayPacket& rays, std::int64_t firing, const std::vector<LiftTrack>& lifts, std::array<Echo, packet_size>& echoes) const {
+    std::array<Echo, packet_size> people = trace_people(rays, firing);
+    add_lifts(rays, lifts, people);
     std::array<double, packet_size> strength;
     strength.fill(1.0);
     RayPacket mirrored;
@@ -311,6 +316,17 @@ class Lidar::Implementation {
     return echoes;
   }
 
+  // What moves stands in front of what doesn't: people, cabins and their doors.
+  static void add_lifts(const RayPacket& rays, const std::vector<LiftTrack>& lifts, std::array<Echo, packet_size>& echoes) {
+    for (const LiftTrack& lift : lifts) {
+      for (std::size_t n = 0; n < packet_size; ++n) {
+        const LiftHit hit = lift.cast(rays.origin[n], rays.direction[n]);
+        if (std::isfinite(hit.distance) && (echoes[n].distance == 0 || hit.distance < echoes[n].distance))
+          echoes[n] = {hit.distance, hit.cosine, reflectivity(Material::metal), 1, hit.normal, -1};
+      }
+    }
+  }
+
   static std::uint64_t ray_index(std::int64_t firing, std::size_t laser) { return static_cast<std::uint64_t>(firing) * vlp16::lasers + laser; }
 
   void report(const Shot& shot, double stamp_time, std::vector<Point>& points) const {
@@ -379,6 +395,7 @@ class Lidar::Implementation {
   LidarSettings settings_;
   Scene scene_;
   std::vector<PersonTrack> people_;
+  std::vector<LiftTrack> lifts_;
   RandomStream range_noise_;
   RandomStream detection_;
   RandomStream glass_;

@@ -120,6 +120,32 @@ class Driver {
     if (seconds > 0) states_.push_back(state);
   }
 
+  // Carried by a lift: the doors shut, it goes, the doors open.
+  void ride(double z) {
+    constexpr double doors = 3.0;         // [s]
+    constexpr double speed = 1.0;         // [m/s]
+    constexpr double acceleration = 0.7;  // [m/s^2]
+    stand(doors);
+    const PlanarState start = states_.back();
+    const double way = std::abs(z - start.z);
+    const double ramp = std::min(speed / acceleration, std::sqrt(way / acceleration));
+    const double cruise = way / (acceleration * ramp) - ramp;
+    const double total = 2 * ramp + cruise;
+    const int pieces = static_cast<int>(std::ceil(total / 0.01));
+    for (int i = 1; i <= pieces; ++i) {
+      const double t = total * i / pieces;
+      double gone = way - 0.5 * acceleration * (total - t) * (total - t);
+      if (t < ramp) {
+        gone = 0.5 * acceleration * t * t;
+      } else if (t < ramp + cruise) {
+        gone = acceleration * ramp * (t - 0.5 * ramp);
+      }
+      states_.push_back({start.time + t, start.position, start.heading, start.z + std::copysign(gone, z - start.z)});
+    }
+    states_.back().z = z;
+    stand(doors);
+  }
+
   void turn_to(double heading) {
     const PlanarState start = states_.back();
     const double angle = wrap(heading - start.heading);
@@ -192,7 +218,7 @@ class Driver {
 };
 
 bool stops_at(const std::vector<Waypoint>& waypoints, std::size_t i) {
-  if (i + 1 >= waypoints.size() || waypoints[i].wait > 0) return true;
+  if (i + 1 >= waypoints.size() || waypoints[i].wait > 0 || waypoints[i].carried_to) return true;
   const double in = heading_of(waypoints[i].position - waypoints[i - 1].position);
   const double out = heading_of(waypoints[i + 1].position - waypoints[i].position);
   return std::abs(wrap(out - in)) > turn_on_spot;
@@ -216,6 +242,9 @@ std::vector<PlanarState> drive_route(const Route& route, const MotionProfile& pr
     driver.drive(PathBuilder().build(leg, profile.corner));
     driver.stand(waypoints[i].wait);
     leg = {waypoints[i]};
+    if (!waypoints[i].carried_to) continue;
+    driver.ride(*waypoints[i].carried_to);
+    leg.front().z = *waypoints[i].carried_to;
   }
   driver.stand(route.stand_end);
   return driver.states();

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <fstream>
 #include <sstream>
 
@@ -100,6 +101,32 @@ void read_stairs(Fields& top, World& world) {
   }
 }
 
+// Floors and ceilings that the cabin passes through are cut out.
+void read_lifts(Fields& top, World& world) {
+  for (const YAML::Node& node : top.list_of(top.take("lifts"))) {
+    Fields fields(node, top.file(), "a lift");
+    Lift lift;
+    lift.low = fields.point("low");
+    lift.high = fields.point("high");
+    lift.door = fields.point("door");
+    lift.door_width = fields.number("door_width", lift.door_width, {0.4, 10});
+    lift.door_height = fields.number("door_height", lift.door_height, {1, 10});
+    lift.height = fields.number("height", lift.height, {1, 10});
+    fields.finish();
+    if ((lift.high - lift.low).minCoeff() < 0.8) fields.fail(node, "a lift's `high` must lie at least 0.8 m beyond its `low`");
+    const double off = std::min((lift.door - lift.low).cwiseAbs().minCoeff(), (lift.door - lift.high).cwiseAbs().minCoeff());
+    if (off > 0.01) fields.fail(node, "a lift's `door` must lie on a side of the cabin");
+    if (lift.door_height > lift.height) fields.fail(node, "a lift's door is higher than its cabin");
+    for (const Storey& storey : world.storeys) lift.floors.push_back(storey.elevation);
+    const auto [lowest, highest] = std::minmax_element(lift.floors.begin(), lift.floors.end());
+    for (Storey& storey : world.storeys) {
+      if (storey.elevation > *lowest) storey.floor_voids.push_back({lift.low, lift.high});
+      if (storey.elevation < *highest) storey.ceiling_voids.push_back({lift.low, lift.high});
+    }
+    world.lifts.push_back(lift);
+  }
+}
+
 void read_building(Fields& top, World& world) {
   const YAML::Node node = top.take("building");
   if (node.IsNull()) return;
@@ -144,6 +171,15 @@ Waypoint read_waypoint(const Fields& route, const YAML::Node& node, const World&
   if (frame == frames.end()) fields.fail(node, "no wing is called `" + fields.text("wing", "") + "`");
   waypoint.position = frame->second * fields.point("at");
   waypoint.wait = fields.number("wait", 0, {0, 600});
+  if (fields.has("ride")) {
+    storey = static_cast<std::size_t>(fields.integer("ride", 0, 0, static_cast<int>(world.storeys.size()) - 1));
+    waypoint.carried_to = world.storeys[storey].elevation;
+    const auto holds = [&](const Lift& lift) {
+      return (waypoint.position - lift.low).minCoeff() > 0 && (lift.high - waypoint.position).minCoeff() > 0;
+    };
+    if (std::none_of(world.lifts.begin(), world.lifts.end(), holds)) fields.fail(node, "the robot can `ride` only in a lift's cabin");
+    if (*waypoint.carried_to == waypoint.z) fields.fail(node, "the robot is on the storey that it is to `ride` to");
+  }
   fields.finish();
   return waypoint;
 }
@@ -250,6 +286,7 @@ World parse_world(const std::string& text, const std::string& file, const std::s
     world.ground = top.flag("ground", true);
     const StoreyFrames frames = read_storeys(top, world);
     read_stairs(top, world);
+    read_lifts(top, world);
     read_motion(top, world);
     read_building(top, world);
     read_lidar(top, world);

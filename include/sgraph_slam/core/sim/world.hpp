@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <map>
+#include <optional>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -142,6 +143,17 @@ struct Landing {
   double z = 0;  ///< of its top [m]
 };
 
+/// A lift: a cabin that goes up and down in its shaft, with doors that shut. The shaft's walls and its doorways belong to the storeys.
+struct Lift {
+  Eigen::Vector2d low = Eigen::Vector2d::Zero();   ///< corners of the cabin's inside, sides along x and y
+  Eigen::Vector2d high = Eigen::Vector2d::Zero();  ///< [m]
+  Eigen::Vector2d door = Eigen::Vector2d::Zero();  ///< middle of its doorway, on one of the sides
+  double door_width = 0.9;                         ///< [m]
+  double door_height = 2.0;                        ///< [m]
+  double height = 2.2;                             ///< inside [m]
+  std::vector<double> floors;                      ///< where it stops, world z [m]
+};
+
 /// Somebody who walks a line there and back.
 struct Person {
   std::vector<Eigen::Vector2d> path;
@@ -157,6 +169,7 @@ struct Waypoint {
   double wait = 0;  ///< the robot stands here this long [s]; 0: it passes
   double z = 0;     ///< of the floor [m]; between waypoints it rises evenly: stairs, ramps
   int line = 0;
+  std::optional<double> carried_to = std::nullopt;  ///< a lift takes the robot from here to this floor [m]
 };
 
 /// How the robot moves.
@@ -216,6 +229,7 @@ struct World {
   std::vector<Storey> storeys;
   std::vector<Flight> flights;
   std::vector<Landing> landings;
+  std::vector<Lift> lifts;
   std::vector<Person> people;
   Route route;
   MotionProfile motion;
