@@ -461,6 +461,7 @@ FoundPlaces find_places(const FreeSpace& space, const std::vector<Wall>& walls, 
   std::vector<WallLine> lines = find_wall_lines(walls, space, path, params);
   join_over_low_lines(space, params, lines);
   Regions regions = find_regions(space, lines, path, params);
+  if (join_recesses(space, regions, lines)) regions = find_regions(space, lines, path, params);
   if (drop_islands(space, regions, lines)) regions = find_regions(space, lines, path, params);
   std::vector<FoundPlace> corridors;
   std::vector<Piece> pieces_of_corridors;

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
+#include <functional>
 
 #include <opencv2/imgproc.hpp>
 
@@ -12,6 +14,10 @@ constexpr double step = 0.05;                            // along a line [m]
 constexpr std::array<double, 2> within_wall{0.05, 0.1};  // behind a face: no wall is thinner [m]
 constexpr std::uint16_t least_views = 2;                 // keyframes that saw past it: one may be mistaken
 constexpr double most = 0.5;                             // share of a face
+constexpr double same_direction = 0.12;                  // [rad]
+constexpr double deepest = 2.5;                          // what stands at a wall [m]
+constexpr double before_face = 0.25;                     // the floor begins this near to a face [m]
+constexpr double corner = 0.2;                           // a wall may end a little before its corner [m]
 
 // Visits the stretches of a line that bound, in steps: positions just behind the face.
 template <class Visit>
@@ -84,6 +90,37 @@ Pieces find_pieces(const Regions& regions) {
   return pieces;
 }
 
+// Where a line goes on behind what stands before it: the way from a point against the normal, to the nearest face that looks the same way.
+double way_to_wall(const std::vector<const WallLine*>& walls, const WallLine& line, const Eigen::Vector2d& p) {
+  double least = deepest;
+  for (const WallLine* wall : walls) {
+    const double facing = wall->normal.dot(line.normal);
+    if (facing < std::cos(same_direction)) continue;
+    const double way = wall->distance(p) / facing;
+    if (way <= 0 || way >= least) continue;
+    const double along = wall->direction().dot(p - way * line.normal);
+    const auto holds = [&](const Interval& part) { return along > part.low - corner && along < part.high + corner; };
+    if (std::any_of(wall->solid.begin(), wall->solid.end(), holds)) least = way;
+  }
+  return least;
+}
+
+// Whether what a low face bounds ends in the place before it, or at a wall that looks as it does, without floor of another piece before that.
+bool stands_within(const FreeSpace& space, const std::function<int(const Eigen::Vector2d&)>& region_at, const std::vector<const WallLine*>& walls,
+                   const WallLine& line, const Eigen::Vector2d& p) {
+  int front = -1;
+  for (double way = step; way <= before_face && front < 0; way += step) front = region_at(p + way * line.normal);
+  if (front < 0) return false;
+  const double end = way_to_wall(walls, line, p);
+  for (double way = 2 * step; way < end - step; way += step) {
+    const Eigen::Vector2d behind = p - way * line.normal;
+    const int region = region_at(behind);
+    if (region == front) return true;
+    if (region >= 0 && space.at(behind).low > 0) return false;  // without rays close to the floor it is what has been seen over the face
+  }
+  return end < deepest;
+}
+
 }  // namespace
 
 void join_over_low_lines(const FreeSpace& space, const PlaceParams& params, std::vector<WallLine>& lines) {
@@ -94,10 +131,59 @@ void join_over_low_lines(const FreeSpace& space, const PlaceParams& params, std:
   }
 }
 
+bool join_recesses(const FreeSpace& space, const Regions& regions, std::vector<WallLine>& lines) {
+  const auto region_beside = [&](const Eigen::Vector2d& p, const Eigen::Vector2d& way) {
+    for (double depth = 2 * step; depth <= 0.5; depth += step) {
+      const Eigen::Vector2d c = ((p + depth * way - space.origin()) / space.resolution()).array().floor();
+      const int region = regions.at(static_cast<int>(c.x()), static_cast<int>(c.y()));
+      if (region >= 0) return region;
+    }
+    return -1;
+  };
+  const auto entered = [&](int region) { return region >= 0 && regions.entered[static_cast<std::size_t>(region)] != 0; };
+  const auto is_recess = [&](int region) {
+    if (region < 0 || entered(region)) return false;
+    const CellWindow& extent = regions.extent[static_cast<std::size_t>(region)];
+    return space.resolution() * std::min(extent.width, extent.height) <= deepest;
+  };
+  bool joined = false;
+  for (WallLine& line : lines) {
+    if (std::none_of(line.gaps.begin(), line.gaps.end(), [](const Gap& gap) { return gap.cut; }) || reaches_ceiling(space, line)) continue;
+    for (Gap& gap : line.gaps) {
+      if (!gap.cut) continue;
+      const int front = region_beside(line.at(gap.along.center()), line.normal);
+      const int back = region_beside(line.at(gap.along.center()), -line.normal);
+      if (!(entered(front) && is_recess(back)) && !(entered(back) && is_recess(front))) continue;
+      gap.cut = false;
+      joined = true;
+    }
+  }
+  return joined;
+}
+
 bool drop_islands(const FreeSpace& space, const Regions& regions, std::vector<WallLine>& lines) {
   std::vector<char> low(lines.size(), 0);
   for (std::size_t k = 0; k < lines.size(); ++k) low[k] = !reaches_ceiling(space, lines[k]);
   if (std::find(low.begin(), low.end(), 1) == low.end() || regions.count == 0) return false;
+  std::vector<const WallLine*> walls;
+  for (std::size_t k = 0; k < lines.size(); ++k) {
+    if (!low[k]) walls.push_back(&lines[k]);
+  }
+  const auto region_at = [&](const Eigen::Vector2d& p) {
+    const Eigen::Vector2d c = ((p - space.origin()) / space.resolution()).array().floor();
+    return regions.at(static_cast<int>(c.x()), static_cast<int>(c.y()));
+  };
+  std::vector<char> within_place(lines.size(), 0);
+  for (std::size_t k = 0; k < lines.size(); ++k) {
+    if (!low[k]) continue;
+    int all = 0;
+    int within = 0;
+    visit_behind(lines[k], [&](const Eigen::Vector2d& p) {
+      ++all;
+      within += stands_within(space, region_at, walls, lines[k], p) ? 1 : 0;
+    });
+    within_place[k] = within > most * all;
+  }
   const Pieces pieces = find_pieces(regions);
   const auto piece_at = [&](const Eigen::Vector2d& p) {
     const Eigen::Vector2d c = ((p - space.origin()) / space.resolution()).array().floor();
@@ -124,7 +210,7 @@ bool drop_islands(const FreeSpace& space, const Regions& regions, std::vector<Wa
       return pieces.island[i] && passed[i] > most * bounded[i];
     };
     const auto within = std::count_if(at[k].begin(), at[k].end(), is_low);
-    if (2 * static_cast<std::size_t>(within) <= at[k].size()) kept.push_back(std::move(lines[k]));
+    if (!within_place[k] && 2 * static_cast<std::size_t>(within) <= at[k].size()) kept.push_back(std::move(lines[k]));
   }
   const bool dropped = kept.size() < lines.size();
   lines = std::move(kept);

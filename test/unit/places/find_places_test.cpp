@@ -210,6 +210,28 @@ TEST(FindPlaces, AnOfficeThatDoesNotReachTheHallsCeilingIsARoom) {
   EXPECT_NEAR(area(found.places[0].outline) + area(found.places[1].outline), 24 * 14 - 5.15 * 4.15 + 4.85 * 3.85, 0.05);
 }
 
+TEST(FindPlaces, ARackAtAWallIsPartOfTheRoomHoweverDeepAndLong) {
+  ScannedPlan scanned;
+  scanned.face({{0, 0}, {14, 0}, {14, 10}, {0, 10}});
+  scanned.box({0.02, 0.02}, {5, 1.4}, 1.6);  // deeper than what the length and depth of furniture allow, in a corner
+  scanned.walk({{2, 3}, {12, 3}, {12, 8}, {2, 8}, {2, 4}});
+  const FoundPlaces found = found_in(scanned);
+  ASSERT_EQ(found.places.size(), 1U);
+  EXPECT_EQ(found.places[0].kind, PlaceKind::room);
+  EXPECT_NEAR(area(found.places[0].outline), 140, 1e-6);
+}
+
+TEST(FindPlaces, AGapBesideFurnitureIsNoDoor) {
+  ScannedPlan scanned;
+  scanned.face({{0, 0}, {14, 0}, {14, 10}, {0, 10}});
+  scanned.wall({4, 0}, {4, 3});
+  scanned.box({0.02, 1.2}, {3.1, 1.3}, 1.6);  // a counter; the floor behind it is seen through the gap that it leaves
+  scanned.walk({{2, 3}, {12, 3}, {12, 8}, {2, 8}, {2, 4}, {3.5, 2.5}});
+  const FoundPlaces found = found_in(scanned);
+  EXPECT_EQ(found.places.size(), 1U);
+  EXPECT_TRUE(found.doors.empty());
+}
+
 TEST(FindPlaces, WhatTheRobotHasNotEnteredIsNoPlace) {
   ScannedPlan scanned;
   scanned.face({{0, 0}, {10, 0}, {10, 4}, {0, 4}});
