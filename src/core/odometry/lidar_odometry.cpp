@@ -201,7 +201,6 @@ WindowResult LidarOdometry::solve(const RigidAlignmentResult& alignment) {
   options.distributions = distributions_;
   options.iterations = params_.motion.iterations;
   options.noise = local_.noise();
-  options.narrow = window_.newest().narrow;
   options.patch_effect = patch_effect(points_on_patch((window_.newest().narrow ? 0.5 : 1.0) * params_.motion.keypoint_leaf));
   options.kernel = std::max(params_.motion.kernel, 3.0 * local_.map().noise());
   const WindowResult result = solve_window(local_.map(), problem, options);

@@ -17,8 +17,6 @@ using Eigen::VectorXd;
 
 constexpr double prior_step = 0.05;           // seconds that the prior's sigmas are given for
 constexpr double height_sigma = 0.01;         // [m] that the height changes by in such a step: robots and people stay on their floor
-constexpr double surface_error = 0.004;       // [m] that a floor or a tread is off its plane within a voxel
-constexpr double level_cosine = 0.95;         // of its normal to the vertical
 constexpr double measurement_kernel2 = 36.0;  // squared standard deviations at which another sensor's say has fallen to a quarter
 
 // Sums over the points of one segment. Every Jacobian is (1 - a) u for the knot before and a u for the knot after, so three weighted sums of u u^T
@@ -125,7 +123,7 @@ class Problem {
     std::vector<SlicedSums> sliced(motions.size());
     for (SlicedSums& s : sliced) s.fill(Matrix6::Zero());
     const double k2 = kernel * kernel;
-    const double usual = 1.0 / (options_.noise * options_.noise);
+    const double information = 1.0 / (options_.noise * options_.noise);
     const double gate = options_.gate_scale * kernel;
     for (std::size_t i = 0; i < problem_.keypoints.size(); ++i) {
       const Keypoint& point = problem_.keypoints[i];
@@ -136,14 +134,13 @@ class Problem {
       l.newest += point.newest;
       const Surface* surface = matches_[i].find(map_, p, sensor, gate);
       if (surface == nullptr) {
-        l.cost += k2 * usual;  // where Geman-McClure levels off: losing a match never pays
+        l.cost += k2 * information;  // where Geman-McClure levels off: losing a match never pays
         continue;
       }
       l.matched += point.newest;
       SegmentSums& s = sums[static_cast<std::size_t>(point.segment)];
       SlicedSums& slice = sliced[static_cast<std::size_t>(point.segment)];
       const auto k = static_cast<std::size_t>(std::clamp(static_cast<int>(slices * point.fraction), 0, slices - 1));
-      const double information = options_.narrow ? information_of(*surface) : usual;
       double r2 = 0;
       double w = 0;
       Vector6 b;
@@ -175,14 +172,6 @@ class Problem {
       if (i < problem_.observable.size()) project(problem_.observable[i], sums[i]);
       add_segment(static_cast<int>(i), sums[i], l);
     }
-  }
-
-  // Of a point on a surface. Noise lies along the ray: a floor or a tread that is struck at a grazing angle holds the height to some millimetres.
-  // On a landing there are so few of them that the prior outvotes them when they count like walls.
-  [[nodiscard]] double information_of(const Surface& surface) const {
-    const double usual = options_.noise * options_.noise;
-    if (std::abs(surface.normal.dot(problem_.up)) < level_cosine) return 1.0 / usual;
-    return 1.0 / std::min(usual, std::max(surface_error * surface_error, surface.variance));
   }
 
   // Geman-McClure.

@@ -51,7 +51,6 @@ struct WindowOptions {
   double patch_effect = 1;     ///< how many times more variance the points leave than if they were independent (core/math/noise.hpp)
   double start_scale = 3.0;    ///< the kernel begins this much wider
   bool distributions = false;  ///< residual between two Gaussians instead of along the surface's normal (VGICP, Koide et al. 2021)
-  bool narrow = false;         ///< all that is seen is near: points on level surfaces count with their surface's own noise
   double gate_scale = 3.0;     ///< points farther than this many kernels from a surface don't match
 };
 
