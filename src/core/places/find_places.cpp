@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <optional>
 
 #include <Eigen/Geometry>
@@ -13,6 +14,7 @@ namespace sgraph {
 namespace {
 
 constexpr double square = 0.1745;      // sides off the right angle by up to this make a rectangle [rad]
+constexpr double full = 0.85;          // of the rectangle that four walls make is floor; an L is less
 constexpr double one_line = 0.12;      // sides no further apart are of one line [m]
 constexpr double inside_share = 0.97;  // of a corridor piece within the outline
 constexpr double sample = 0.1;         // [m]
@@ -71,6 +73,54 @@ bool is_rectangle(const PlaceOutline& outline) {
   return true;
 }
 
+// The four walls of a room, counter-clockwise, and the direction in which the outline runs along each.
+struct FourWalls {
+  std::array<PlaneId, 4> faces;
+  std::array<Eigen::Vector2d, 4> directions;
+  std::array<double, 4> lengths{};  // of the outline along each
+};
+
+// A room of four walls keeps them where a cabinet or a shaft stands in a corner, a column in its middle, where a corner is cut: each side of the
+// rectangle around its outline lies on a face for at least half its length, and next to nothing of the rectangle is missing. What an alcove adds lies
+// beyond a wall, which then bounds no more than the alcove.
+std::optional<FourWalls> four_walls(const PlaceOutline& outline) {
+  const std::vector<SideLine> sides = sides_of(outline.polygon);
+  const auto longest = std::max_element(sides.begin(), sides.end(), [](const SideLine& a, const SideLine& b) { return a.length < b.length; });
+  FourWalls result;
+  double sides_of_box[2] = {0, 0};
+  for (std::size_t k = 0; k < 4; ++k) {
+    const Eigen::Vector2d along = Eigen::Rotation2Dd(static_cast<double>(k) * M_PI / 2) * longest->direction;
+    const Eigen::Vector2d outwards = -left_of(along);
+    double edge = -std::numeric_limits<double>::infinity();
+    Interval extent{std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity()};
+    for (const Eigen::Vector2d& corner : outline.polygon) {
+      edge = std::max(edge, outwards.dot(corner));
+      extent = {std::min(extent.low, along.dot(corner)), std::max(extent.high, along.dot(corner))};
+    }
+    sides_of_box[k % 2] = extent.length();
+    double own = 0;  // the longest of the sides on this edge of the rectangle
+    for (std::size_t i = 0; i < sides.size(); ++i) {
+      const SideLine& side = sides[i];
+      const PlaneId face = outline.sides[i].plane;
+      if (!face.valid() || side.direction.dot(along) < std::cos(square)) continue;
+      // A side may be turned against the rectangle: its far end touches the edge, its middle is as far off as the turn makes it.
+      const double turned = 0.5 * side.length * std::abs(side.direction.dot(outwards));
+      if (edge - outwards.dot(0.5 * (side.from + side.to)) > turned + one_line) continue;
+      result.lengths[k] += side.length;
+      if (side.length <= own) continue;
+      own = side.length;
+      result.faces[k] = face;
+      result.directions[k] = side.direction;
+    }
+    if (result.lengths[k] < 0.5 * extent.length()) return std::nullopt;
+  }
+  if (!(outline.polygon.size() == 4 && outline.holes.empty()) && area(outline) < full * sides_of_box[0] * sides_of_box[1]) return std::nullopt;
+  for (std::size_t k = 0; k < 4; ++k) {
+    if (std::abs(result.directions[k].dot(result.directions[(k + 1) % 4])) > std::sin(square)) return std::nullopt;
+  }
+  return result;
+}
+
 // Distance between two facing walls midway, and the position of that middle across.
 struct Across {
   double width;
@@ -84,18 +134,17 @@ Across between(const Wall& low, const Wall& high, const Eigen::Vector2d& axis, c
   return {b - a, 0.5 * (a + b)};
 }
 
-// Side i of the outline looks along +x of a frame turned so that side 0 runs along its x: sides are -y, +x, +y, -x.
-FoundPlace rectangle_place(const PlaceOutline& outline, const std::vector<Wall>& walls, double reference_yaw, const PlaceParams& params) {
+FoundPlace rectangle_place(const PlaceOutline& outline, const FourWalls& four, const std::vector<Wall>& walls, double reference_yaw,
+                           const PlaceParams& params) {
   FoundPlace place;
   place.outline = outline;
-  const std::vector<SideLine> sides = sides_of(outline.polygon);
-  // The heading is that of the longer pair, whose direction is known best.
-  const std::size_t first = sides[0].length + sides[2].length >= sides[1].length + sides[3].length ? 0 : 1;
-  const Eigen::Vector2d x = (sides[first].direction - sides[(first + 2) % 4].direction).normalized();
+  // The heading is that of the longer pair, whose direction is known best. In a frame with its x along the first of them the walls are -y, +x, +y,
+  // -x.
+  const std::size_t first = four.lengths[0] + four.lengths[2] >= four.lengths[1] + four.lengths[3] ? 0 : 1;
+  const Eigen::Vector2d x = (four.directions[first] - four.directions[(first + 2) % 4]).normalized();
   const Eigen::Vector2d y = left_of(x);
   const Eigen::Vector2d middle = centroid(outline.polygon);
-  const std::array<PlaneId, 4> faces{outline.sides[(first + 3) % 4].plane, outline.sides[(first + 1) % 4].plane, outline.sides[first].plane,
-                                     outline.sides[(first + 2) % 4].plane};  // -x, +x, -y, +y
+  const std::array<PlaneId, 4> faces{four.faces[(first + 3) % 4], four.faces[(first + 1) % 4], four.faces[first], four.faces[(first + 2) % 4]};
   std::array<const Wall*, 4> w{};
   for (std::size_t i = 0; i < 4; ++i) w[i] = find_wall(walls, faces[i]);
   const Across along_x = between(*w[0], *w[1], x, middle);
@@ -443,8 +492,8 @@ void keep_cuts_at_halls(const FreeSpace& space, const Regions& regions, const st
 void add_place(const PlaceOutline& outline, const std::vector<Wall>& walls, double reference_yaw, const PlaceParams& params,
                std::vector<FoundPlace>& places) {
   if (area(outline) < params.min_area) return;
-  if (is_rectangle(outline)) {
-    places.push_back(rectangle_place(outline, walls, reference_yaw, params));
+  if (const auto four = four_walls(outline)) {
+    places.push_back(rectangle_place(outline, *four, walls, reference_yaw, params));
     return;
   }
   FoundPlace place;

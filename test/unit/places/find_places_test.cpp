@@ -164,10 +164,40 @@ TEST(FindPlaces, ARoomWithinAHallIsAHoleOfIt) {
   scanned.walk({{2, 2}, {12, 2}, {12, 5.95}, {7, 5.95}, {12, 5.95}, {12, 10}, {2, 10}, {2, 3}});
   const FoundPlaces found = found_in(scanned);
   ASSERT_EQ(found.places.size(), 2U);
-  const bool hall_first = found.places[0].kind == PlaceKind::hall;
+  const bool hall_first = area(found.places[0].outline) > area(found.places[1].outline);
   EXPECT_NEAR(area(found.places[hall_first ? 0 : 1].outline), 192 - 4.15 * 4.15, 0.01);
   EXPECT_NEAR(area(found.places[hall_first ? 1 : 0].outline), 3.85 * 3.85, 0.01);
   EXPECT_EQ(found.doors.size(), 1U);
+}
+
+// A cabinet as high as the room in its corner: a step of the outline, and four walls all the same.
+TEST(FindPlaces, ARoomWithACabinetInItsCornerHasFourWalls) {
+  ScannedPlan scanned;
+  scanned.face({{0, 0}, {4.8, 0}, {4.8, 1.2}, {6, 1.2}, {6, 5}, {0, 5}});
+  scanned.walk({{1, 1}, {4, 1}, {5, 4}, {1, 4}, {1, 1}});
+  const FoundPlaces found = found_in(scanned);
+  ASSERT_EQ(found.places.size(), 1U);
+  const FoundPlace& room = found.places[0];
+  EXPECT_EQ(room.kind, PlaceKind::room);
+  EXPECT_NEAR(area(room.outline), 30 - 1.2 * 1.2, 0.01);
+  Eigen::Vector2d size = room.area.size;
+  if (size.x() < size.y()) std::swap(size.x(), size.y());
+  EXPECT_NEAR(size.x(), 6, 0.001);
+  EXPECT_NEAR(size.y(), 5, 0.001);
+  EXPECT_NEAR((room.area.center - Eigen::Vector2d(3, 2.5)).norm(), 0, 0.001);
+}
+
+// An alcove of half a wall adds to the outline; a step that takes a quarter of the rectangle makes an L.
+TEST(FindPlaces, AnAlcoveAndAnLMakeAHall) {
+  for (const Polygon2d& outline : {Polygon2d{{0, 0}, {2, 0}, {2, -1.5}, {4, -1.5}, {4, 0}, {6, 0}, {6, 5}, {0, 5}},
+                                   Polygon2d{{0, 0}, {3, 0}, {3, 2.5}, {6, 2.5}, {6, 5}, {0, 5}}}) {
+    ScannedPlan scanned;
+    scanned.face(outline);
+    scanned.walk({{1, 1}, {2.5, 1}, {2.5, 4}, {5, 4}, {5, 3.5}, {1, 4}});
+    const FoundPlaces found = found_in(scanned);
+    ASSERT_EQ(found.places.size(), 1U);
+    EXPECT_EQ(found.places[0].kind, PlaceKind::hall);
+  }
 }
 
 // Two rows that leave an aisle of 3 m between them, openings of which are far less than half as wide as the hall.
