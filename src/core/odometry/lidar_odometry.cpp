@@ -203,7 +203,7 @@ WindowResult LidarOdometry::solve(const RigidAlignmentResult& alignment) {
   options.noise = local_.noise();
   options.patch_effect = patch_effect(points_on_patch((window_.newest().narrow ? 0.5 : 1.0) * params_.motion.keypoint_leaf));
   options.kernel = std::max(params_.motion.kernel, 3.0 * local_.map().noise());
-  const WindowResult result = solve_window(local_.map(), problem, options);
+  WindowResult result = solve_window(local_.map(), problem, options);
   window_.set_knots(std::move(problem.knots));
   return result;
 }
