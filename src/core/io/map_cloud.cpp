@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <unordered_map>
 #include <vector>
 
 #include "sgraph_slam/core/math/outline_area.hpp"
+#include "voxel_means.hpp"
 
 namespace sgraph {
 namespace {
@@ -16,73 +16,6 @@ bool is_near(const Pose& a, const Pose& b, double distance) {
   constexpr double reach = 20;  // of what is seen [m]
   return (a.translation - b.translation).norm() + reach * 2 * (a.rotation.conjugate() * b.rotation).vec().norm() < distance;
 }
-
-// A voxel with a smaller share of the points that a neighbour holds is the outer rim of that neighbour's noise, not a surface of its own.
-constexpr double least_share = 0.1;
-
-/// The mean of the points in each voxel, in the order in which the voxels were met.
-class VoxelMeans {
- public:
-  explicit VoxelMeans(double leaf) : leaf_(leaf) {}
-
-  // `sign`: 1 to put a point in, -1 to take one out that was put in at the same place.
-  void add(const Eigen::Vector3d& p, const Point& point, int sign = 1) {
-    const auto [at, is_new] = index_.try_emplace(key_of(p), voxels_.size());
-    if (is_new) voxels_.push_back({at->first, point});
-    Voxel& voxel = voxels_[at->second];
-    voxel.sum += sign * p;
-    voxel.intensity += sign * static_cast<double>(point.intensity);
-    voxel.count += sign;
-  }
-
-  [[nodiscard]] std::vector<Point> points() const {
-    std::vector<Point> result;
-    result.reserve(voxels_.size());
-    for (const Voxel& voxel : voxels_) {
-      if (voxel.count <= 0 || voxel.count < least_share * fullest_neighbour(voxel.key)) continue;
-      Point point = voxel.first;
-      point.set_position((voxel.sum / voxel.count).cast<float>());
-      point.intensity = static_cast<float>(voxel.intensity / voxel.count);
-      result.push_back(point);
-    }
-    return result;
-  }
-
- private:
-  struct Voxel {
-    std::uint64_t key = 0;
-    Point first;
-    Eigen::Vector3d sum = Eigen::Vector3d::Zero();
-    double intensity = 0;
-    int count = 0;
-  };
-
-  static constexpr int bits = 21;  // an axis: told apart up to a million leaves from the origin
-
-  [[nodiscard]] std::uint64_t key_of(const Eigen::Vector3d& p) const {
-    const auto axis = [this](double value) {
-      return static_cast<std::uint64_t>(static_cast<std::int64_t>(std::floor(value / leaf_)) + (1 << (bits - 1))) & ((1U << bits) - 1);
-    };
-    return axis(p.x()) << (2 * bits) | axis(p.y()) << bits | axis(p.z());
-  }
-
-  // Of the six that share a side: whatever way a surface lies, the noise across it enters through one of them.
-  [[nodiscard]] int fullest_neighbour(std::uint64_t key) const {
-    int most = 0;
-    for (const int axis : {0, 1, 2}) {
-      const std::uint64_t step = std::uint64_t{1} << (axis * bits);
-      for (const std::uint64_t neighbour : {key + step, key - step}) {
-        const auto at = index_.find(neighbour);
-        if (at != index_.end()) most = std::max(most, voxels_[at->second].count);
-      }
-    }
-    return most;
-  }
-
-  double leaf_;
-  std::unordered_map<std::uint64_t, std::size_t> index_;
-  std::vector<Voxel> voxels_;
-};
 
 // Calls `visit(p_map, point)` for each finite point of a keyframe's cloud, times taken out.
 template <class Visit>

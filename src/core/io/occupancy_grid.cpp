@@ -4,11 +4,11 @@
 #include <algorithm>
 #include <cmath>
 #include <iomanip>
-#include <limits>
 #include <map>
 #include <sstream>
 
 #include "sgraph_slam/core/io/map_cloud.hpp"
+#include "walk_cells.hpp"
 
 namespace sgraph {
 namespace {
@@ -42,10 +42,11 @@ Sweep sweep_of(const SceneKeyframe& keyframe, const Cloud& cloud, const Pose& T_
   const double low = std::min(params.grid_low, 0.5 * lidar_height);
   const double high = std::max(params.grid_high, lidar_height + 0.05);
   const auto cell_of = [&params](const Eigen::Vector3d& p) -> Cell { return (p.head<2>() / params.grid_resolution).array().floor().cast<int>(); };
+  const Eigen::Matrix3d rotation = T_map_lidar.matrix();
   Sweep sweep;
   sweep.origin = origin.head<2>() / params.grid_resolution;
   for (const Point& point : cloud.points) {
-    const Eigen::Vector3d p = T_map_lidar * point.position().cast<double>();
+    const Eigen::Vector3d p = rotation * point.position().cast<double>() + origin;
     if (!p.allFinite() || p.cwiseAbs().maxCoeff() > max_coordinate) continue;
     const double height = floor.distance(p);
     if (left_out && left_out(p)) continue;
@@ -127,28 +128,18 @@ class Carver {
   // Walks the cells from the origin to the end cell; an obstacle that this keyframe saw on the way ends the view (the points of a keyframe come
   // from scans taken at slightly different places, and must not see round corners).
   void carve(const Eigen::Vector2d& from, const Cell& end, int sign) {
-    const Eigen::Vector2d way = end.cast<double>() + Eigen::Vector2d(0.5, 0.5) - from;
-    Cell cell = from.array().floor().cast<int>();
-    const Cell step(way.x() < 0 ? -1 : 1, way.y() < 0 ? -1 : 1);
-    Eigen::Vector2d next;   // where along the way the next column and row begin
-    Eigen::Vector2d delta;  // from one to the next
-    for (int k = 0; k < 2; ++k) {
-      const bool still = std::abs(way[k]) < 1e-9;
-      delta[k] = still ? std::numeric_limits<double>::infinity() : 1 / std::abs(way[k]);
-      next[k] = still ? delta[k] : (way[k] < 0 ? from[k] - cell[k] : cell[k] + 1 - from[k]) * delta[k];
-    }
-    while (true) {
-      auto& mark = mark_[index(cell)];
-      if (mark == mark_hit_) return;
+    const Eigen::Vector2d corner = bounds_.min().cast<double>();
+    const Eigen::Vector2d to = end.cast<double>() + Eigen::Vector2d(0.5, 0.5);
+    const auto odds = static_cast<float>(sign * miss_odds);
+    walk_cells<2>(from - corner, to - corner, {1, width()}, [&](std::ptrdiff_t i) {
+      std::int32_t& mark = mark_[static_cast<std::size_t>(i)];
+      if (mark == mark_hit_) return false;
       if (mark != mark_passed_) {
         mark = mark_passed_;
-        odds_[index(cell)] += static_cast<float>(sign * miss_odds);
+        odds_[static_cast<std::size_t>(i)] += odds;
       }
-      const int k = next.x() < next.y() ? 0 : 1;
-      if (cell == end || next[k] > 1) return;
-      cell[k] += step[k];
-      next[k] += delta[k];
-    }
+      return true;
+    });
   }
 
   Eigen::AlignedBox2i bounds_;  // first and last cell

@@ -1,47 +1,29 @@
 #include "sgraph_slam/core/io/seen_through.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
-#include <limits>
 
 #include "ray_origins.hpp"
 #include "sgraph_slam/core/math/so3.hpp"
+#include "walk_cells.hpp"
 
 namespace sgraph {
 namespace {
 
 constexpr double finest_cell = 0.2;           // [m]
-constexpr double most_cells = 20e6;           // 200 MB while it is made
+constexpr double most_cells = 20e6;           // 120 MB while it is made
 constexpr double reach = 6;                   // of the judgement about a sensor: farther off rays are too far apart to hit what is thin [m]
 constexpr double clearance = 0.4;             // a ray says nothing of what lies this near to its end [m]
-constexpr std::uint8_t rays_for_a_look = 6;   // through one cell, by one keyframe
+constexpr std::int32_t rays_for_a_look = 6;   // through one cell, by one keyframe
 constexpr std::uint8_t looks_for_a_pass = 2;  // keyframes; one may have looked past an edge
 constexpr double on_plane = 0.08;             // [m]: a wall's noise, and what a plane's estimate may be off
 constexpr double beside_plane = 0.2;          // [m] beyond its outline
 
-// Visits the cells that a straight way passes, in order, in cells from the grid's corner, while `visit` says so.
-template <class Visit>
-void walk(const Eigen::Vector3d& from, const Eigen::Vector3d& to, Visit visit) {
-  const Eigen::Vector3d way = to - from;
-  Eigen::Vector3i cell = from.array().floor().cast<int>();
-  const Eigen::Vector3i end = to.array().floor().cast<int>();
-  Eigen::Vector3i step;
-  Eigen::Vector3d next;   // where along the way the next cell of each axis begins
-  Eigen::Vector3d delta;  // from one to the next
-  for (int k = 0; k < 3; ++k) {
-    const bool still = std::abs(way[k]) < 1e-9;
-    step[k] = way[k] < 0 ? -1 : 1;
-    delta[k] = still ? std::numeric_limits<double>::infinity() : 1 / std::abs(way[k]);
-    next[k] = still ? delta[k] : (way[k] < 0 ? from[k] - cell[k] : cell[k] + 1 - from[k]) * delta[k];
-  }
-  while (visit(cell) && cell != end) {
-    int k = next.x() < next.y() ? 0 : 1;
-    if (next.z() < next[k]) k = 2;
-    if (next[k] > 1) return;
-    cell[k] += step[k];
-    next[k] += delta[k];
-  }
-}
+// What a keyframe says of a cell, with its number in one word: words of earlier keyframes are smaller, so nothing is ever cleared.
+constexpr std::int32_t words = 16;       // a keyframe
+constexpr std::int32_t near_a_hit = 14;  // below that: rays through it
+constexpr std::int32_t is_hit = 15;
 
 bool is_within(const std::vector<Eigen::Vector3d>& outline, const Eigen::Vector3d& normal, const Eigen::Vector3d& p, double margin) {
   for (std::size_t i = 0; i < outline.size(); ++i) {
@@ -81,16 +63,17 @@ SeenThrough::SeenThrough(const GraphSnapshot& snapshot, const Pose& T_base_lidar
   size_ = (bounds.sizes() / cell_).array().ceil().cast<int>().max(1);
   const std::size_t count = index({0, 0, size_.z()});
   passes_.assign(count, 0);
-  std::vector<std::int32_t> near_hit(count, -1);  // newest keyframe that hit the cell or one beside it
-  std::vector<std::int32_t> looked(count, -1);    // newest keyframe with a ray through it
-  std::vector<std::uint8_t> rays(count, 0);       // of that one
-
+  // With a layer below and one above: a ray that ends at the border may step over it.
+  const std::size_t layer = index({0, 0, 1});
+  std::vector<std::int32_t> padded(count + 2 * layer, -1);
+  std::int32_t* const word = padded.data() + layer;
+  const std::array<std::ptrdiff_t, 3> rows{1, size_.x(), static_cast<std::ptrdiff_t>(layer)};
   const std::vector<std::uint8_t> of_plane = plane_cells();
 
-  std::int32_t now = -1;
+  std::int32_t now = -words;
   for (const auto& [id, keyframe] : snapshot.keyframes) {
     const CloudPtr cloud = keyframe.cloud.get();
-    ++now;
+    now += words;
     if (!cloud) continue;
     const Pose T_map_lidar = keyframe.T_map_base * T_base_lidar;
     const RayOrigins origins(*cloud, T_map_lidar);
@@ -102,16 +85,16 @@ SeenThrough::SeenThrough(const GraphSnapshot& snapshot, const Pose& T_base_lidar
       if (!((p - origin_).cwiseAbs().maxCoeff() < 1e6)) continue;
       const Eigen::Vector3i cell = cell_of(p);
       if (!holds(cell)) continue;
+      std::int32_t& own = word[index(cell)];
+      if (own == now + is_hit) continue;  // by another point
+      own = now + is_hit;
       passes_[index(cell)] = 0;
-      if (looked[index(cell)] == now) continue;  // by another point
-      looked[index(cell)] = now;
-      near_hit[index(cell)] = now;
       if (of_plane[index(cell)] != 0) continue;  // what hits a wall says nothing of who stands before it
       for (int z = -1; z <= 1; ++z) {
         for (int y = -1; y <= 1; ++y) {
           for (int x = -1; x <= 1; ++x) {
             const Eigen::Vector3i beside = cell + Eigen::Vector3i(x, y, z);
-            if (holds(beside)) near_hit[index(beside)] = now;
+            if (holds(beside)) word[index(beside)] = std::max(word[index(beside)], now + near_a_hit);
           }
         }
       }
@@ -120,18 +103,24 @@ SeenThrough::SeenThrough(const GraphSnapshot& snapshot, const Pose& T_base_lidar
       if (!point.position().allFinite()) continue;
       const Eigen::Vector3d& eye = origins.of(point);
       const Eigen::Vector3d ray = in_map(point) - eye;
-      const double length = std::min(ray.norm() - clearance, reach);
+      const double whole = ray.norm();
+      double length = std::min(whole - clearance, reach);
       if (!(length > 0)) continue;
       const Eigen::Vector3d from = (eye - origin_) / cell_;
-      walk(from, from + ray.normalized() * (length / cell_), [&](const Eigen::Vector3i& cell) {
-        if (!holds(cell)) return false;
-        const std::size_t i = index(cell);
-        if (near_hit[i] == now) return true;
-        if (looked[i] != now) {
-          looked[i] = now;
-          rays[i] = 0;
-        }
-        if (rays[i] < rays_for_a_look && ++rays[i] == rays_for_a_look && passes_[i] < looks_for_a_pass) ++passes_[i];
+      if (!holds(from.array().floor().cast<int>())) continue;
+      const Eigen::Vector3d way = ray / (whole * cell_);
+      // Only heights were cut off from what the rays can reach.
+      if (way.z() > 0) length = std::min(length, (size_.z() - from.z()) / way.z());
+      if (way.z() < 0) length = std::min(length, -from.z() / way.z());
+      const Eigen::Vector3d to = from + length * way;
+      if (!((to.head<2>().array() >= 0).all() && (to.head<2>().array() < size_.head<2>().cast<double>().array()).all())) continue;
+      walk_cells<3>(from, to, rows, [&](std::ptrdiff_t i) {
+        const std::int32_t rays = std::max(word[i] - now, 0);
+        if (rays >= rays_for_a_look) return true;  // enough, or beside a hit
+        word[i] = now + rays + 1;
+        if (rays + 1 < rays_for_a_look || i < 0 || static_cast<std::size_t>(i) >= count) return true;
+        std::uint8_t& passes = passes_[static_cast<std::size_t>(i)];
+        if (passes < looks_for_a_pass) ++passes;
         return true;
       });
     }

@@ -15,7 +15,7 @@ namespace sgraph {
 /// see through the place beside it hits the leg too.
 class SeenThrough {
  public:
-  /// Reads the keyframes' clouds once. A byte a cell of 0.2 m near the path, ten while it is made; larger cells where that would be
+  /// Reads the keyframes' clouds once. A byte a cell of 0.2 m near the path, six while it is made; larger cells where that would be
   /// too many.
   SeenThrough(const GraphSnapshot& snapshot, const Pose& T_base_lidar);
 
