@@ -8,7 +8,7 @@
 #include <sstream>
 
 #include "sgraph_slam/core/io/map_cloud.hpp"
-#include "walk_cells.hpp"
+#include "sgraph_slam/core/math/walk_cells.hpp"
 
 namespace sgraph {
 namespace {
@@ -131,7 +131,7 @@ class Carver {
     const Eigen::Vector2d corner = bounds_.min().cast<double>();
     const Eigen::Vector2d to = end.cast<double>() + Eigen::Vector2d(0.5, 0.5);
     const auto odds = static_cast<float>(sign * miss_odds);
-    walk_cells<2>(from - corner, to - corner, {1, width()}, [&](std::ptrdiff_t i) {
+    walk_cells<2>(from - corner, to - corner, {1, width()}, [&](std::ptrdiff_t i, std::int64_t, std::int64_t) {
       std::int32_t& mark = mark_[static_cast<std::size_t>(i)];
       if (mark == mark_hit_) return false;
       if (mark != mark_passed_) {

@@ -6,7 +6,7 @@
 
 #include "ray_origins.hpp"
 #include "sgraph_slam/core/math/so3.hpp"
-#include "walk_cells.hpp"
+#include "sgraph_slam/core/math/walk_cells.hpp"
 
 namespace sgraph {
 namespace {
@@ -114,7 +114,7 @@ SeenThrough::SeenThrough(const GraphSnapshot& snapshot, const Pose& T_base_lidar
       if (way.z() < 0) length = std::min(length, -from.z() / way.z());
       const Eigen::Vector3d to = from + length * way;
       if (!((to.head<2>().array() >= 0).all() && (to.head<2>().array() < size_.head<2>().cast<double>().array()).all())) continue;
-      walk_cells<3>(from, to, rows, [&](std::ptrdiff_t i) {
+      walk_cells<3>(from, to, rows, [&](std::ptrdiff_t i, std::int64_t, std::int64_t) {
         const std::int32_t rays = std::max(word[i] - now, 0);
         if (rays >= rays_for_a_look) return true;  // enough, or beside a hit
         word[i] = now + rays + 1;

@@ -1,12 +1,14 @@
 #include "sgraph_slam/core/places/free_space.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <utility>
 
 #include <Eigen/Geometry>
 
+#include "sgraph_slam/core/math/walk_cells.hpp"
 #include "sgraph_slam/core/util/scattered_order.hpp"
 
 namespace sgraph {
@@ -116,37 +118,33 @@ void FreeSpace::trace(const Eigen::Vector3d& from, const Eigen::Vector3d& to, do
   }
   if (enter >= leave) return;
   const bool hit = leave >= 1;
-  Eigen::Vector2d position = a + enter * way;
-  Eigen::Vector2i cell = position.array().floor().cast<int>();
-  const Eigen::Vector2i end = (a + leave * way).array().floor().cast<int>();
-  const Eigen::Vector2i step(way.x() < 0 ? -1 : 1, way.y() < 0 ? -1 : 1);
-  Eigen::Vector2d next;   // parameter of the ray at the next column and row
-  Eigen::Vector2d delta;  // from one to the next
-  for (int k = 0; k < 2; ++k) {
-    const bool still = std::abs(way[k]) < 1e-9;
-    delta[k] = still ? std::numeric_limits<double>::infinity() : 1 / std::abs(way[k]);
-    next[k] = still ? delta[k] : enter + (way[k] < 0 ? position[k] - cell[k] : cell[k] + 1 - position[k]) * delta[k];
-  }
-  const double sill = floor_z + params_.sill - from.z();
-  const double shelf = floor_z + params_.shelf - from.z();
-  const double head = floor_z + params_.head - from.z();
-  const auto set = [&](const Eigen::Vector2i& c, std::uint8_t bit) {
-    const std::size_t i =
-        static_cast<std::size_t>(c.y() - first_.y()) * static_cast<std::size_t>(width_) + static_cast<std::size_t>(c.x() - first_.x());
+  const Eigen::Vector2d first = first_.cast<double>();
+  const Eigen::Vector2d begin = a + enter * way - first;
+  const Eigen::Vector2d end = a + leave * way - first;
+  const auto set = [&](std::ptrdiff_t cell, std::uint8_t bit) {
+    const auto i = static_cast<std::size_t>(cell);
     if (touched_bits_[i] == 0) touched_.push_back(i);
     touched_bits_[i] |= bit;
   };
-  double t = enter;
-  while (cell != end) {
-    const int k = next.x() < next.y() ? 0 : 1;
-    const double z = 0.5 * (t + std::min(next[k], leave)) * rise;
-    set(cell, z < sill ? low_bit : z < shelf ? mid_bit : z < head ? high_bit : over_bit);
-    if (next[k] > leave) break;
-    t = next[k];
-    cell[k] += step[k];
-    next[k] += delta[k];
+  // Twice the part of the way at which the ray rises, or falls, through each height: its bits change there.
+  const bool rises = rise > -1e-9;
+  std::array<std::int64_t, 3> passes{};
+  for (std::size_t k = 0; k < passes.size(); ++k) {
+    const double height = floor_z + (k == 0 ? params_.sill : k == 1 ? params_.shelf : params_.head) - from.z();
+    const double at = (height / rise - enter) / (leave - enter);  // not finite for a level ray: it is above or below all along
+    const double never = height > 0 ? 2 : -1;
+    passes[k] = static_cast<std::int64_t>(std::clamp(std::abs(rise) < 1e-9 ? never : at, -1.0, 2.0) * static_cast<double>(2 * whole_way));
   }
-  if (hit) set(end, rise < head ? hit_bit : hit_over_bit);
+  walk_cells<2>(begin, end, {1, width_}, [&](std::ptrdiff_t cell, std::int64_t in, std::int64_t out) {
+    if (out == whole_way) return false;  // the cell of the end
+    int heights = 0;
+    for (const std::int64_t pass : passes) heights += in + out >= pass ? 1 : 0;
+    set(cell, static_cast<std::uint8_t>(low_bit << (rises ? heights : 3 - heights)));
+    return true;
+  });
+  if (!hit) return;
+  const Eigen::Vector2i last = end.array().floor().cast<int>();
+  set(last.y() * static_cast<std::ptrdiff_t>(width_) + last.x(), rise < floor_z + params_.head - from.z() ? hit_bit : hit_over_bit);
 }
 
 void FreeSpace::mark(const Rays& rays, const Mark& at, int sign) {

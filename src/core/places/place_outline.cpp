@@ -27,20 +27,23 @@ struct Cell {
   double unseen = 0;  // of neither
 };
 
-Cell part_of(const Cell& cell, const WallLine& line, int index, double sign) {
+bool has_extent(const Cell& cell) { return cell.corners.size() >= 3 && signed_area(cell.corners) > 1e-6; }
+
+// The part of a cell before a line (sign 1) or behind it (-1). `distances`: of its corners from the line.
+Cell part_of(const Cell& cell, const std::vector<double>& distances, int line, double sign) {
   Cell kept;
   const std::size_t n = cell.corners.size();
   for (std::size_t i = 0; i < n; ++i) {
     const Eigen::Vector2d& a = cell.corners[i];
     const Eigen::Vector2d& b = cell.corners[(i + 1) % n];
-    const double da = sign * line.distance(a);
-    const double db = sign * line.distance(b);
+    const double da = sign * distances[i];
+    const double db = sign * distances[(i + 1) % n];
     if (da >= 0) {
       kept.corners.push_back(a);
       kept.side.push_back(cell.side[i]);
       if (db < 0) {
         kept.corners.emplace_back(a + (b - a) * (da / (da - db)));
-        kept.side.push_back(index);
+        kept.side.push_back(line);
       }
     } else if (db > 0) {
       kept.corners.emplace_back(a + (b - a) * (da / (da - db)));
@@ -50,19 +53,27 @@ Cell part_of(const Cell& cell, const WallLine& line, int index, double sign) {
   return kept;
 }
 
-bool has_extent(const Cell& cell) { return cell.corners.size() >= 3 && signed_area(cell.corners) > 1e-6; }
-
+// The arrangement of the lines within a frame. A line crosses few of the cells; the others go on as they are.
 std::vector<Cell> cells_between(const std::vector<const WallLine*>& lines, const Eigen::AlignedBox2d& frame) {
   std::vector<Cell> cells{{{frame.min(), {frame.max().x(), frame.min().y()}, frame.max(), {frame.min().x(), frame.max().y()}}, {-1, -1, -1, -1}}};
+  std::vector<Cell> next;
+  std::vector<double> distances;
   for (std::size_t k = 0; k < lines.size(); ++k) {
-    std::vector<Cell> next;
-    for (const Cell& cell : cells) {
+    next.clear();
+    for (Cell& cell : cells) {
+      distances.clear();
+      for (const Eigen::Vector2d& corner : cell.corners) distances.push_back(lines[k]->distance(corner));
+      const auto [nearest, farthest] = std::minmax_element(distances.begin(), distances.end());
+      if (*nearest >= 0 || *farthest <= 0) {
+        next.push_back(std::move(cell));
+        continue;
+      }
       for (const double sign : {1.0, -1.0}) {
-        Cell part = part_of(cell, *lines[k], static_cast<int>(k), sign);
+        Cell part = part_of(cell, distances, static_cast<int>(k), sign);
         if (has_extent(part)) next.push_back(std::move(part));
       }
     }
-    cells = std::move(next);
+    cells.swap(next);
   }
   return cells;
 }

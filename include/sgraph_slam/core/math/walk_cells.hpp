@@ -10,20 +10,23 @@
 
 namespace sgraph {
 
-/// Visits the cells of a grid that a straight way passes, in order, with their indices, until `visit` says no. `from`, `to`: in cells, 0 at the lower
-/// corner of the cell with index 0. `rows`: by how much the index grows with a step along each axis. Where a way ends within 1e-8 of its length of a
-/// cell's border, the cell beyond may be visited.
+/// The length of a way in fixed point.
+constexpr std::int64_t whole_way = std::int64_t{1} << 32;
+
+/// Visits the cells of a grid that a straight way passes, in order, until `visit(index, begin, end)` says no. `begin`, `end`: between which parts of
+/// the way the cell lies, of `whole_way`; the last cell ends there. `from`, `to`: in cells, 0 at the lower corner of the cell with index 0. `rows`:
+/// by how much the index grows with a step along each axis. Where a way ends within 1e-8 of its length of a cell's border, the cell beyond may be
+/// visited.
 ///
 /// A map asks for this hundreds of millions of times, and which axis is next can't be predicted: so there are no branches but that of the end.
 template <int N, class Visit>
 void walk_cells(const Eigen::Matrix<double, N, 1>& from, const Eigen::Matrix<double, N, 1>& to, const std::array<std::ptrdiff_t, N>& rows,
                 Visit visit) {
   static_assert(N == 2 || N == 3);
-  constexpr double whole = std::int64_t{1} << 32;  // the way's length in fixed point
-  constexpr double no_way = 1e-9;                  // [cells]
-  std::int64_t next[3];                            // where along the way the next cell of each axis begins
-  std::int64_t delta[3];                           // from one to the next
-  std::ptrdiff_t jump[3] = {0, 0, 0};              // of the index
+  constexpr double no_way = 1e-9;      // [cells]
+  std::int64_t next[3];                // where along the way the next cell of each axis begins
+  std::int64_t delta[3];               // from one to the next
+  std::ptrdiff_t jump[3] = {0, 0, 0};  // of the index
   std::ptrdiff_t at = 0;
   next[2] = std::numeric_limits<std::int64_t>::max();
   delta[2] = 0;
@@ -37,16 +40,18 @@ void walk_cells(const Eigen::Matrix<double, N, 1>& from, const Eigen::Matrix<dou
       delta[k] = 0;
       continue;
     }
-    const double step = whole / std::abs(way);
+    const double step = static_cast<double>(whole_way) / std::abs(way);
     delta[k] = static_cast<std::int64_t>(step);
     next[k] = static_cast<std::int64_t>((way < 0 ? from[k] - cell : cell + 1 - from[k]) * step);
   }
   std::int64_t x = next[0], y = next[1], z = next[2];
-  while (visit(at)) {
+  std::int64_t begin = 0;
+  for (;;) {
     const bool x_first = x < y;
     const std::int64_t of_two = x_first ? x : y;
     const bool z_first = z < of_two;
-    if ((z_first ? z : of_two) > static_cast<std::int64_t>(whole)) return;
+    const std::int64_t end = z_first ? z : of_two;
+    if (!visit(at, begin, end < whole_way ? end : whole_way) || end > whole_way) return;
     const auto if_so = [](bool so, std::int64_t value) { return value & -static_cast<std::int64_t>(so); };
     const bool x_now = x_first && !z_first;
     const bool y_now = !x_first && !z_first;
@@ -54,6 +59,7 @@ void walk_cells(const Eigen::Matrix<double, N, 1>& from, const Eigen::Matrix<dou
     y += if_so(y_now, delta[1]);
     z += if_so(z_first, delta[2]);
     at += if_so(x_now, jump[0]) + if_so(y_now, jump[1]) + if_so(z_first, jump[2]);
+    begin = end;
   }
 }
 
