@@ -229,6 +229,7 @@ class BackEnd::Implementation {
   void map_planes(const Keyframe& keyframe, const KeyframeCloud& cloud, const PlaneSegments& segments) {
     const AssociationResult seen = add_observations(committer_, state_.planes, keyframe, segments);
     ++state_.since_global;
+    ++state_.since_places;
     if (state_.params.solving.window > 0) solve_window();
     update_frame();
     if (state_.params.topological_layer) {
@@ -241,7 +242,13 @@ class BackEnd::Implementation {
     const bool looped =
         close_loop(committer_, state_.loops, state_.keyframes, state_.planes.drift, state_.planes.marginals) ||
         close_loop_by_appearance(committer_, state_.loops, state_.keyframes, state_.planes.map, state_.planes.drift, state_.planes.marginals);
-    if (looped || wants_global(seen)) solve_global(state_.params.solving.iterations);
+    // One of the two at a time: no keyframe waits for both.
+    if (looped || wants_global(seen)) {
+      solve_global(state_.params.solving.iterations);
+      if (state_.params.topological_layer && !state_.layer.is_bounded_by(state_.graph)) update_places(false);
+    } else if (wants_places()) {
+      update_places(false);
+    }
   }
 
   // Which storey each keyframe and each plane is on; that of the newest keyframes may change while it shows where they lead.
@@ -277,7 +284,11 @@ class BackEnd::Implementation {
     state_.optimized = true;
     summary_ = {};
     solve_global(state_.params.solving.final_iterations, true);
-    if (state_.params.topological_layer) solve_global(state_.params.solving.final_iterations, false, true);
+    if (state_.params.topological_layer) {
+      update_places(false);
+      solve_global(state_.params.solving.final_iterations);
+      update_places(true);
+    }
     find_covariances();
     place_odometry();
   }
@@ -286,6 +297,11 @@ class BackEnd::Implementation {
     const int whole = static_cast<int>(due());
     if (state_.since_global >= whole) return true;
     return state_.since_global >= std::max(returns_apart, whole / returns_share) && (seen.returned || !state_.pending_merges.empty());
+  }
+
+  // Places are found anew in a graph that was just solved, as rarely as the whole graph is when nothing returns.
+  [[nodiscard]] bool wants_places() const {
+    return state_.params.topological_layer && state_.since_global < state_.since_places && state_.since_places >= static_cast<int>(due());
   }
 
   void note(const SolveSummary& summary) {
@@ -300,7 +316,7 @@ class BackEnd::Implementation {
     note(state_.recent.solve(state_.graph, state_.params.solving.window, options));
   }
 
-  void solve_global(int iterations, bool all_pairs = false, bool measure_all_doors = false) {
+  void solve_global(int iterations, bool all_pairs = false) {
     drop_passing_planes(committer_, state_.planes, all_pairs);
     SolverOptions options;
     options.max_iterations = iterations;
@@ -312,7 +328,6 @@ class BackEnd::Implementation {
     std::set<PlanePair> shown;
     shown.swap(state_.pending_merges);
     merge_duplicates(committer_, state_.planes, shown, all_pairs, state_.params.solving.iterations);
-    if (state_.params.topological_layer) update_places(measure_all_doors);
   }
 
   // What is too low or has been seen too rarely bounds no place.
@@ -347,6 +362,7 @@ class BackEnd::Implementation {
   }
 
   void update_places(bool measure_all_doors) {
+    state_.since_places = 0;
     find_places(measure_all_doors);
     synchronise(committer_, state_.layer, state_.planes.map, state_.params.topology);
     add_wall_faces(committer_, state_.planes.map, state_.params.merging.max_angle, state_.params.topology);

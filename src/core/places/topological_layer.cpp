@@ -339,6 +339,16 @@ void TopologicalLayer::take(FoundPlaces found, FoundPlaces& all) const {
   }
 }
 
+bool TopologicalLayer::is_bounded_by(const Graph& graph) const {
+  const auto is_there = [&graph](PlaneId id) { return !id.valid() || graph.find(graph.representative(id)) != nullptr; };
+  const auto is_whole = [&](const auto& entry) {
+    const FoundPlace& place = entry.second.place;
+    return std::all_of(place.walls.begin(), place.walls.end(), is_there) &&
+           std::all_of(place.outline.sides.begin(), place.outline.sides.end(), [&](const PlaceSide& side) { return is_there(side.plane); });
+  };
+  return std::all_of(rooms_.begin(), rooms_.end(), is_whole) && std::all_of(corridors_.begin(), corridors_.end(), is_whole);
+}
+
 bool TopologicalLayer::covers(const Eigen::Vector2d& position) const {
   const auto inside = [&](const auto& entry) { return contains(entry.second.place.outline, position); };
   return std::any_of(rooms_.begin(), rooms_.end(), inside) || std::any_of(corridors_.begin(), corridors_.end(), inside) ||

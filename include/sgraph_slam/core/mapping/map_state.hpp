@@ -52,6 +52,7 @@ struct MapState {
 
   std::set<PlanePair> pending_merges;  ///< planes that a place showed to be one, since the last global solve
   int since_global = 0;                ///< keyframes since the last global solve
+  int since_places = 0;                ///< keyframes since places were last found
   bool optimized = false;              ///< since the last keyframe
 };
 

@@ -87,6 +87,9 @@ class TopologicalLayer {
   /// Of several storeys, at least one.
   void find(Graph& graph, const std::vector<Survey>& surveys, DecisionLog& log);
 
+  /// Whether all planes that bound its places are still in the graph, merged ones counted as what they were merged into.
+  [[nodiscard]] bool is_bounded_by(const Graph& graph) const;
+
   /// Room, hall or corridor at a position.
   [[nodiscard]] bool covers(const Eigen::Vector2d& position) const;
   /// Rooms and halls.
