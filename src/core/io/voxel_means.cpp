@@ -9,7 +9,7 @@ namespace {
 
 // A voxel with a smaller share of the points that a neighbour holds is the outer rim of that neighbour's noise, not a surface of its own.
 constexpr double least_share = 0.1;
-constexpr std::size_t smallest_table = 1024;
+constexpr int bits = 21;  // of a key, an axis
 
 }  // namespace
 
@@ -20,56 +20,27 @@ std::uint64_t VoxelMeans::key_of(const Eigen::Vector3d& p) const {
   return axis(p.x()) << (2 * bits) | axis(p.y()) << bits | axis(p.z());
 }
 
-// Keys of neighbours are powers of two apart; the multiplication by the golden ratio (Knuth) scatters them. Its upper half depends on all of the key.
-std::size_t VoxelMeans::home_of(std::uint64_t key) const { return (key * 0x9E3779B97F4A7C15U >> 32) & (table_.size() - 1); }
-
-std::uint32_t VoxelMeans::find(std::uint64_t key) const {
-  for (std::size_t at = home_of(key);; at = (at + 1) & (table_.size() - 1)) {
-    if (table_[at] == none || voxels_[table_[at]].key == key) return table_[at];
-  }
-}
-
-void VoxelMeans::ask_for(std::uint64_t key) const { __builtin_prefetch(&table_[home_of(key)]); }
-
 void VoxelMeans::ask_for_voxel(std::uint64_t key) const {
-  const std::uint32_t first = table_[home_of(key)];
-  if (first != none) __builtin_prefetch(&voxels_[first]);
-}
-
-void VoxelMeans::make_room() {
-  if (2 * (voxels_.size() + batch) <= table_.size()) return;
-  table_.assign(std::max(smallest_table, 2 * table_.size()), none);
-  for (std::uint32_t i = 0; i < voxels_.size(); ++i) {
-    std::size_t at = home_of(voxels_[i].key);
-    while (table_[at] != none) at = (at + 1) & (table_.size() - 1);
-    table_[at] = i;
-  }
+  const std::uint32_t at = index_.find(key);
+  if (at != VoxelIndex::none) __builtin_prefetch(&voxels_[at]);
 }
 
 void VoxelMeans::add(const Eigen::Vector3d& p, const Point& point, int sign) {
-  if (waiting_.empty()) {
-    make_room();
-    waiting_.reserve(batch);
-  }
   waiting_.push_back({key_of(p), p, point.intensity, point.ring, sign});
-  ask_for(waiting_.back().key);
+  index_.ask_for(waiting_.back().key);
   if (waiting_.size() == batch) put_in();
 }
 
 void VoxelMeans::put_in() {
   for (const Waiting& one : waiting_) ask_for_voxel(one.key);
   for (const Waiting& one : waiting_) {
-    std::uint32_t number = find(one.key);
-    if (number == none) {
-      number = static_cast<std::uint32_t>(voxels_.size());
-      std::size_t at = home_of(one.key);
-      while (table_[at] != none) at = (at + 1) & (table_.size() - 1);
-      table_[at] = number;
-      Voxel& voxel = voxels_.emplace_back();
-      voxel.key = one.key;
-      voxel.ring = one.ring;
+    const std::uint32_t at = index_.find_or_add(one.key);
+    if (at == voxels_.size()) {
+      voxels_.emplace_back();
+      voxels_.back().key = one.key;
+      voxels_.back().ring = one.ring;
     }
-    Voxel& voxel = voxels_[number];
+    Voxel& voxel = voxels_[at];
     voxel.sum += one.sign * one.p;
     voxel.intensity += one.sign * static_cast<double>(one.intensity);
     voxel.count += one.sign;
@@ -87,17 +58,18 @@ std::vector<Point> VoxelMeans::points() {
   result.reserve(voxels_.size());
   for (std::size_t first = 0; first < voxels_.size(); first += batch / ways.size()) {
     const std::size_t end = std::min(voxels_.size(), first + batch / ways.size());
-    for (const auto& ask : {&VoxelMeans::ask_for, &VoxelMeans::ask_for_voxel}) {
-      for (std::size_t i = first; i < end; ++i) {
-        for (const std::uint64_t way : ways) (this->*ask)(voxels_[i].key + way);
-      }
+    for (std::size_t i = first; i < end; ++i) {
+      for (const std::uint64_t way : ways) index_.ask_for(voxels_[i].key + way);
+    }
+    for (std::size_t i = first; i < end; ++i) {
+      for (const std::uint64_t way : ways) ask_for_voxel(voxels_[i].key + way);
     }
     for (std::size_t i = first; i < end; ++i) {
       const Voxel& voxel = voxels_[i];
       int fullest = 0;
       for (const std::uint64_t way : ways) {
-        const std::uint32_t neighbour = find(voxel.key + way);
-        if (neighbour != none) fullest = std::max(fullest, voxels_[neighbour].count);
+        const std::uint32_t neighbour = index_.find(voxel.key + way);
+        if (neighbour != VoxelIndex::none) fullest = std::max(fullest, voxels_[neighbour].count);
       }
       if (voxel.count <= 0 || voxel.count < least_share * fullest) continue;
       Point point;

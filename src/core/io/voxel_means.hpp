@@ -5,6 +5,7 @@
 
 #include <Eigen/Core>
 
+#include "sgraph_slam/core/math/voxel_index.hpp"
 #include "sgraph_slam/core/types/cloud.hpp"
 
 namespace sgraph {
@@ -18,7 +19,7 @@ class VoxelMeans {
   static constexpr std::size_t batch = 64;
 
   /// `leaf`: edge of a voxel [m]. Voxels are told apart up to a million leaves from the origin.
-  explicit VoxelMeans(double leaf) : leaf_(leaf) {}
+  explicit VoxelMeans(double leaf) : leaf_(leaf), index_(leaf) {}
 
   /// `p`: map frame; its voxel's `ring` is that of the first point. `sign`: 1 to put a point in, -1 to take one out that was put in at the same
   /// place.
@@ -43,20 +44,13 @@ class VoxelMeans {
     int sign = 1;
   };
 
-  static constexpr std::uint32_t none = 0xffffffff;
-  static constexpr int bits = 21;  // of a key, an axis
-
   [[nodiscard]] std::uint64_t key_of(const Eigen::Vector3d& p) const;
-  [[nodiscard]] std::size_t home_of(std::uint64_t key) const;
-  [[nodiscard]] std::uint32_t find(std::uint64_t key) const;
-  void ask_for(std::uint64_t key) const;
   void ask_for_voxel(std::uint64_t key) const;
   void put_in();
-  void make_room();
 
   double leaf_;
+  VoxelIndex index_;
   std::vector<Voxel> voxels_;
-  std::vector<std::uint32_t> table_;  // hash table with open addressing: numbers of voxels
   std::vector<Waiting> waiting_;
 };
 

@@ -57,6 +57,11 @@ constexpr int scans_in_flight = 3;  // between coming in and being final
 constexpr int least_scans = 40;     // before anything is taken out
 constexpr int shown_scans = 20;     // in which the beams must show
 
+std::array<int, 3> cell_of(const Eigen::Vector3d& p) {
+  const Eigen::Vector3d at = (p / plane_radius).array().floor();
+  return {static_cast<int>(at.x()), static_cast<int>(at.y()), static_cast<int>(at.z())};
+}
+
 }  // namespace
 
 RingCalibrator::RingCalibrator(const CalibrationParams& params) : params_(params), index_(edge) {
@@ -178,26 +183,48 @@ void RingCalibrator::flatten(Voxel& voxel, const Vector3& sensor) {
   voxel.plane = plane_for(voxel.mean, voxel.normal);
 }
 
+// Visits the planes whose centres lie in the cells around a point.
+template <class Visit>
+void RingCalibrator::visit_planes(const Vector3& p, int cells, Visit visit) const {
+  const std::array<int, 3> middle = cell_of(p);
+  for (int x = middle[0] - cells; x <= middle[0] + cells; ++x) {
+    for (int y = middle[1] - cells; y <= middle[1] + cells; ++y) {
+      for (int z = middle[2] - cells; z <= middle[2] + cells; ++z) {
+        const auto at = planes_at_.find({x, y, z});
+        if (at != planes_at_.end()) std::for_each(at->second.begin(), at->second.end(), visit);
+      }
+    }
+  }
+}
+
 int RingCalibrator::plane_for(const Vector3& mean, const Vector3& normal) {
   int best = -1;
   double nearest = plane_radius;
-  for (std::size_t i = 0; i < planes_.size(); ++i) {
-    const Plane& plane = planes_[i];
+  visit_planes(mean, 1, [&](int i) {
+    const Plane& plane = planes_[static_cast<std::size_t>(i)];
     const Vector3 away = mean - plane.centre;
     const double distance = away.norm();
-    if (distance >= nearest || plane.normal.dot(normal) < std::cos(plane_angle) || std::abs(plane.normal.dot(away)) > plane_offset) continue;
-    best = static_cast<int>(i);
+    if (distance >= nearest || plane.normal.dot(normal) < std::cos(plane_angle) || std::abs(plane.normal.dot(away)) > plane_offset) return;
+    best = i;
     nearest = distance;
-  }
+  });
   if (best >= 0) return best;
+  const int added = static_cast<int>(planes_.size());
   Plane plane;
   plane.centre = mean;
   plane.normal = normal;
   plane.first = normal.unitOrthogonal();
   plane.second = normal.cross(plane.first);
   plane.cross = Eigen::MatrixXd::Zero(unknowns(), 3);
+  visit_planes(mean, 3, [&](int i) {  // its points and those of the others reach a plane's radius and a voxel
+    Plane& other = planes_[static_cast<std::size_t>(i)];
+    if (std::abs(other.normal.dot(normal)) >= parallel || (other.centre - mean).norm() > 2 * (plane_radius + 2 * edge)) return;
+    other.crossed.push_back(added);
+    plane.crossed.push_back(i);
+  });
   planes_.push_back(std::move(plane));
-  return static_cast<int>(planes_.size()) - 1;
+  planes_at_[cell_of(mean)].push_back(added);
+  return added;
 }
 
 void RingCalibrator::measure(const Cloud& scan, const Pose& T_odom_lidar) {
@@ -250,10 +277,11 @@ void RingCalibrator::measure(const Cloud& scan, const Pose& T_odom_lidar) {
 
 // Beside another plane that crosses this one, points of the other within the gate pull all to one side.
 bool RingCalibrator::near_edge(const Vector3& p, int own) const {
-  const Vector3& normal = planes_[static_cast<std::size_t>(own)].normal;
-  return std::any_of(planes_.begin(), planes_.end(), [&](const Plane& other) {
+  const std::vector<int>& crossed = planes_[static_cast<std::size_t>(own)].crossed;
+  return std::any_of(crossed.begin(), crossed.end(), [&](int i) {
+    const Plane& other = planes_[static_cast<std::size_t>(i)];
     const Vector3 away = p - other.centre;
-    return std::abs(other.normal.dot(away)) < edge_distance && std::abs(other.normal.dot(normal)) < parallel && away.norm() < plane_radius + edge;
+    return std::abs(other.normal.dot(away)) < edge_distance && away.norm() < plane_radius + edge;
   });
 }
 

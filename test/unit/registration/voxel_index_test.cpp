@@ -1,4 +1,4 @@
-#include "sgraph_slam/core/registration/voxel_index.hpp"
+#include "sgraph_slam/core/math/voxel_index.hpp"
 
 #include <gtest/gtest.h>
 

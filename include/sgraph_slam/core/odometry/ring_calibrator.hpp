@@ -1,5 +1,7 @@
 #pragma once
 
+#include <array>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -7,8 +9,8 @@
 
 #include <Eigen/Core>
 
+#include "sgraph_slam/core/math/voxel_index.hpp"
 #include "sgraph_slam/core/params/visitor.hpp"
-#include "sgraph_slam/core/registration/voxel_index.hpp"
 #include "sgraph_slam/core/sensor/ring_calibration.hpp"
 #include "sgraph_slam/core/types/pose.hpp"
 
@@ -67,7 +69,8 @@ class RingCalibrator {
     Vector3 centre, normal, first, second;        // two axes on it
     Eigen::Matrix3d h = Eigen::Matrix3d::Zero();  // of its offset and tilts,
     Vector3 b = Vector3::Zero();
-    Eigen::MatrixXd cross;  // and with the beams' parameters
+    Eigen::MatrixXd cross;     // and with the beams' parameters
+    std::vector<int> crossed;  // planes that may cross it
   };
   // Sums of one scan's points on one plane, by ring.
   struct RingSums {
@@ -88,6 +91,8 @@ class RingCalibrator {
   void insert(const Vector3& p, const Vector3& sensor);
   void flatten(Voxel& voxel, const Vector3& sensor);
   [[nodiscard]] int plane_for(const Vector3& mean, const Vector3& normal);
+  template <class Visit>
+  void visit_planes(const Vector3& p, int cells, Visit visit) const;
   void measure(const Cloud& scan, const Pose& T_odom_lidar);
   [[nodiscard]] bool same_place(const Pose& pose);
   [[nodiscard]] bool near_edge(const Vector3& p, int own) const;
@@ -105,6 +110,7 @@ class RingCalibrator {
   VoxelIndex index_;
   std::vector<Voxel> voxels_;
   std::vector<Plane> planes_;
+  std::map<std::array<int, 3>, std::vector<int>> planes_at_;  // by cell of the planes' size, with their centres in it
   Eigen::MatrixXd h_;
   Eigen::VectorXd b_;
   Eigen::VectorXd prior_mean_, prior_weight_;

@@ -8,8 +8,8 @@
 
 #include <Eigen/Core>
 
+#include "sgraph_slam/core/math/voxel_index.hpp"
 #include "sgraph_slam/core/params/visitor.hpp"
-#include "sgraph_slam/core/registration/voxel_index.hpp"
 
 namespace sgraph {
 
