@@ -9,6 +9,7 @@
 #include <atomic>
 #include <csignal>
 #include <filesystem>
+#include <memory>
 #include <thread>
 
 #include "sgraph_slam/ros/shared_pointer.hpp"
@@ -53,21 +54,26 @@ class Ending {
   std::atomic<State> state_{State::loading};
 };
 
-/// The library beside this program's folder, wherever both are installed.
-std::string library_path() {
-  return (std::filesystem::canonical("/proc/self/exe").parent_path().parent_path() / "libsgraph_slam_nodelets.so").string();
-}
+/// The nodelets' library, wherever it and this program are installed: the build knows the way from one to the other.
+std::string library_path() { return (std::filesystem::canonical("/proc/self/exe").parent_path() / SGRAPH_NODELETS).lexically_normal().string(); }
 
 }  // namespace
 
 int main(int argc, char** argv) {
   static Ending ending;  // static: its thread outlives main
   ros::init(argc, argv, "sgraph_slam", ros::init_options::NoSigintHandler);
-  ros::NodeHandle node;
 
-  // The library is known, so it isn't looked for among all packages, which takes longer than to load it.
-  class_loader::ClassLoader library(library_path());
-  nodelet::Loader loader([&library](const std::string& type) { return sgraph::to_boost(library.createInstance<nodelet::Nodelet>(type)); });
+  // The library is known, so it isn't looked for among all packages, which takes longer than to load it. Before there is a master: what is wrong with
+  // the installation is said at once.
+  std::unique_ptr<class_loader::ClassLoader> library;
+  try {
+    library = std::make_unique<class_loader::ClassLoader>(library_path());
+  } catch (const class_loader::LibraryLoadException& error) {
+    ROS_FATAL_STREAM("the installation is not whole: " << error.what());
+    return 1;
+  }
+  ros::NodeHandle node;
+  nodelet::Loader loader([&library](const std::string& type) { return sgraph::to_boost(library->createInstance<nodelet::Nodelet>(type)); });
   const nodelet::M_string remappings(ros::names::getRemappings());
   const std::vector<std::pair<std::string, std::string>> nodelets{// What comes later in the chain subscribes first, so that nothing is missed.
                                                                   {"mapping", "sgraph::MappingNodelet"},
