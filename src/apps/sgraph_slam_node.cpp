@@ -1,4 +1,5 @@
 // The four nodelets in one process of their own: clouds pass between them as pointers, and the process ends cleanly at any moment.
+#include <malloc.h>
 #include <nodelet/loader.h>
 #include <nodelet/nodelet.h>
 #include <pthread.h>
@@ -60,6 +61,9 @@ std::string library_path() { return (std::filesystem::canonical("/proc/self/exe"
 }  // namespace
 
 int main(int argc, char** argv) {
+  // glibc gives threads arenas of their own, up to eight a core, and each keeps what its threads have freed: 8 MiB more with each recording, while
+  // what is in use stays the same. Two of them cost no measurable time.
+  mallopt(M_ARENA_MAX, 2);
   static Ending ending;  // static: its thread outlives main
   ros::init(argc, argv, "sgraph_slam", ros::init_options::NoSigintHandler);
 
