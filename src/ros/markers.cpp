@@ -1,7 +1,9 @@
 #include "sgraph_slam/ros/markers.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <limits>
 #include <map>
 #include <set>
 
@@ -29,7 +31,8 @@ constexpr Color other_color{0.80F, 0.70F, 0.30F, 0.5F};
 constexpr Color room_color{0.95F, 0.30F, 0.75F, 1.0F};
 constexpr Color corridor_color{0.95F, 0.80F, 0.20F, 1.0F};
 constexpr Color opening_color{0.90F, 0.90F, 0.90F, 1.0F};
-constexpr Color door_color{0.95F, 0.55F, 0.10F, 1.0F};
+constexpr Color door_color{0.35F, 0.90F, 1.00F, 1.0F};  // no wall's
+constexpr Color storey_color{0.55F, 0.95F, 0.45F, 1.0F};
 constexpr Color text_color{1.0F, 1.0F, 1.0F, 1.0F};
 
 /// Planes below this area are drawn as small ones [m^2]: a table's top is about 1.3, the piece of wall beside a door 2.
@@ -62,6 +65,23 @@ geometry_msgs::Point at(const Eigen::Vector3d& p, double lift) {
   return message;
 }
 
+/// The point of a wall (of the rectangle around its outline) that is nearest to `p`: a line to a long wall's middle would leave the room.
+Eigen::Vector3d nearest_on(const ScenePlane& plane, const Eigen::Vector3d& p) {
+  const Eigen::Vector3d& n = plane.plane.normal;
+  const Eigen::Vector3d along = Eigen::Vector3d::UnitZ().cross(n).normalized();
+  const Eigen::Vector3d up = n.cross(along);
+  const auto clamped = [&](const Eigen::Vector3d& axis) {
+    double low = std::numeric_limits<double>::infinity();
+    double high = -low;
+    for (const Eigen::Vector3d& corner : plane.extent) {
+      low = std::min(low, axis.dot(corner));
+      high = std::max(high, axis.dot(corner));
+    }
+    return std::clamp(axis.dot(p), low, high);
+  };
+  return clamped(along) * along + clamped(up) * up - plane.plane.d * n;
+}
+
 Eigen::Vector3d middle(const std::vector<Eigen::Vector3d>& points) {
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
   for (const Eigen::Vector3d& p : points) sum += p;
@@ -71,7 +91,8 @@ Eigen::Vector3d middle(const std::vector<Eigen::Vector3d>& points) {
 /// Collects the markers of one snapshot.
 class Drawing {
  public:
-  Drawing(const GraphSnapshot& snapshot, double layer_height) : snapshot_(snapshot), planes_lift_(layer_height), places_lift_(2 * layer_height) {
+  Drawing(const GraphSnapshot& snapshot, double layer_height)
+      : snapshot_(snapshot), planes_lift_(layer_height), places_lift_(2 * layer_height), storeys_lift_(3 * layer_height) {
     Marker erase = marker("", Marker::CUBE, {0, 0, 0, 0}, 1);
     erase.action = Marker::DELETEALL;
     array_.markers.push_back(erase);
@@ -125,6 +146,7 @@ class Drawing {
     }
     openings();
     doors();
+    storeys();
   }
 
   visualization_msgs::MarkerArray take() { return std::move(array_); }
@@ -201,14 +223,17 @@ class Drawing {
       const auto found = snapshot_.planes.find(plane);
       if (found == snapshot_.planes.end() || found->second.extent.empty()) continue;
       lines.points.push_back(at(center, places_lift_));
-      lines.points.push_back(at(middle(found->second.extent), planes_lift_));
+      lines.points.push_back(at(nearest_on(found->second, center), planes_lift_));
     }
     if (!lines.points.empty()) array_.markers.push_back(lines);
+    write(name + "_labels", id, center, places_lift_ + 1.5, label);
+  }
 
-    Marker text = marker(name + "_labels", Marker::TEXT_VIEW_FACING, text_color, 0.7);
+  void write(const std::string& name, int id, const Eigen::Vector3d& below, double lift, const char* words) {
+    Marker text = marker(name, Marker::TEXT_VIEW_FACING, text_color, 0.7);
     text.id = id;
-    text.pose.position = at(center, places_lift_ + 1.5);
-    text.text = label;
+    text.pose.position = at(below, lift);
+    text.text = words;
     array_.markers.push_back(text);
   }
 
@@ -224,26 +249,39 @@ class Drawing {
     array_.markers.push_back(line);
   }
 
-  /// Frames of jambs and lintel.
+  /// Frames of jambs and lintel; on the lintel the door's node, with edges to the places that it joins.
   void doors() {
-    Marker lines = marker("doors", Marker::LINE_LIST, door_color, 0.05);
+    Marker frames = marker("doors", Marker::LINE_LIST, door_color, 0.05);
+    Marker nodes = marker("door_nodes", Marker::SPHERE_LIST, door_color, 0.25);
+    Marker edges = marker("door_edges", Marker::LINE_LIST, door_color, 0.03);
     for (const auto& [id, door] : snapshot_.doors) {
       const Eigen::Vector3d along(-std::sin(door.yaw), std::cos(door.yaw), 0);
       const Eigen::Vector3d up(0, 0, door.height > 0 ? door.height : 2.0);
       const Eigen::Vector3d a = door.position - 0.5 * door.width * along;
       const Eigen::Vector3d b = door.position + 0.5 * door.width * along;
       for (const auto& [from, to] : {std::pair<Eigen::Vector3d, Eigen::Vector3d>(a, a + up), {a + up, b + up}, {b + up, b}, {b, a}}) {
-        lines.points.push_back(at(from, planes_lift_));
-        lines.points.push_back(at(to, planes_lift_));
+        frames.points.push_back(at(from, planes_lift_));
+        frames.points.push_back(at(to, planes_lift_));
+      }
+      nodes.points.push_back(at(door.position + up, planes_lift_));
+      for (const std::string& place : {door.from, door.to}) {
+        const std::optional<Eigen::Vector3d> center = center_of(place);
+        if (!center) continue;
+        edges.points.push_back(at(*center, places_lift_));
+        edges.points.push_back(nodes.points.back());
       }
     }
-    if (!lines.points.empty()) array_.markers.push_back(lines);
+    for (const Marker& all : {frames, nodes, edges})
+      if (!all.points.empty()) array_.markers.push_back(all);
   }
 
-  /// Between the nodes of the places that they join.
+  /// Between the nodes of the places that they join, where no door does.
   void openings() {
+    std::set<std::pair<std::string, std::string>> by_doors;
+    for (const auto& [id, door] : snapshot_.doors) by_doors.insert(std::minmax(door.from, door.to));
     Marker lines = marker("openings", Marker::LINE_LIST, opening_color, 0.05);
     for (const SceneOpening& opening : snapshot_.openings) {
+      if (by_doors.count(std::minmax(opening.from, opening.to)) > 0) continue;
       const std::optional<Eigen::Vector3d> from = center_of(opening.from);
       const std::optional<Eigen::Vector3d> to = center_of(opening.to);
       if (!from || !to) continue;
@@ -251,6 +289,33 @@ class Drawing {
       lines.points.push_back(at(*to, places_lift_));
     }
     if (!lines.points.empty()) array_.markers.push_back(lines);
+  }
+
+  /// A node above the places of each storey, with edges to them. Of a building with one storey it would say nothing.
+  void storeys() {
+    std::map<int, std::vector<Eigen::Vector3d>> places;
+    for (const auto& [id, room] : snapshot_.rooms) places[room.storey].push_back(room.center);
+    for (const auto& [id, corridor] : snapshot_.corridors) places[corridor.storey].push_back(corridor.center);
+    if (snapshot_.storeys.size() < 2) return;
+    for (const SceneStorey& storey : snapshot_.storeys) {
+      const auto centers = places.find(storey.id);
+      if (centers == places.end()) continue;
+      const Eigen::Vector3d center = middle(centers->second);
+      Marker node = marker("storeys", Marker::CUBE, storey_color, 0.8);
+      node.id = storey.id;
+      node.pose.position = at(center, storeys_lift_);
+      array_.markers.push_back(node);
+      Marker lines = marker("storeys_places", Marker::LINE_LIST, storey_color, 0.05);
+      lines.id = storey.id;
+      for (const Eigen::Vector3d& place : centers->second) {
+        lines.points.push_back(node.pose.position);
+        lines.points.push_back(at(place, places_lift_));
+      }
+      array_.markers.push_back(lines);
+      char label[80];
+      std::snprintf(label, sizeof label, "storey %d\nfloor at %.2f m", storey.id, storey.z);
+      write("storeys_labels", storey.id, center, storeys_lift_ + 1.5, label);
+    }
   }
 
   /// Of "room/3" or "corridor/0".
@@ -270,6 +335,7 @@ class Drawing {
   const GraphSnapshot& snapshot_;
   const double planes_lift_;
   const double places_lift_;
+  const double storeys_lift_;
   visualization_msgs::MarkerArray array_;
 };
 

@@ -129,6 +129,58 @@ TEST(Markers, OnlyWhatChangedIsSentAgain) {
   EXPECT_EQ(whole.markers[0].action, Marker::DELETEALL);
 }
 
+// In a corridor of 100 m the line to a wall's middle would end in another room.
+TEST(Markers, PlacesAreLinkedToTheNearestPointOfTheirWalls) {
+  GraphSnapshot graph = small_graph();
+  for (Eigen::Vector3d& corner : graph.planes.at({0}).extent)
+    if (corner.x() > 0) corner.x() = 98;
+  const auto links = by_name(graph_markers(graph, layer)).find("corridors_walls")->second;
+  ASSERT_EQ(links.points.size(), 4U);
+  EXPECT_NEAR(links.points[1].x, 0, 1e-12);
+  EXPECT_NEAR(links.points[1].y, -1, 1e-12);
+  EXPECT_NEAR(links.points[1].z, layer + 1, 1e-12);
+}
+
+TEST(Markers, DoorsAreNodesBetweenThePlacesThatTheyJoin) {
+  GraphSnapshot graph = small_graph();
+  graph.rooms[{3}] = {{3}, {5, 0, 1}, {4, 4}, 0, {{0}, {1}, {0}, {1}}};
+  graph.openings = {{"room/3", "corridor/4", {2, 0, 1}}};
+  graph.doors[{0}] = {{0}, "corridor/4", "room/3", {2, 0, 0}, 0, 0.9, 2.1};
+  graph.doors[{1}] = {{1}, "corridor/4", "", {-2, 0, 0}, 0, 0.9, 0};  // nobody has been behind it
+  const Markers markers = by_name(graph_markers(graph, layer));
+  EXPECT_EQ(markers.count("openings"), 0U);  // the door joins them
+  EXPECT_EQ(markers.find("doors")->second.points.size(), 16U);
+  const auto nodes = markers.find("door_nodes")->second;
+  ASSERT_EQ(nodes.points.size(), 2U);
+  EXPECT_DOUBLE_EQ(nodes.points[0].z, layer + 2.1);
+  const auto edges = markers.find("door_edges")->second;
+  ASSERT_EQ(edges.points.size(), 6U);
+  EXPECT_DOUBLE_EQ(edges.points[2].x, 5);
+  EXPECT_DOUBLE_EQ(edges.points[2].z, 2 * layer + 1);
+  EXPECT_DOUBLE_EQ(edges.points[3].x, 2);
+}
+
+TEST(Markers, StoreysAreNodesAboveTheirPlaces) {
+  GraphSnapshot graph = small_graph();
+  graph.storeys = {{0, 0.0, 2.5, true}};
+  EXPECT_EQ(by_name(graph_markers(graph, layer)).count("storeys"), 0U);
+  graph.storeys.push_back({1, 3.0, 5.5, true});
+  graph.storeys.push_back({2, 6.0, 8.5, true});  // no place there yet
+  graph.rooms[{3}] = {{3}, {5, 0, 4}, {4, 4}, 0, {}};
+  graph.rooms.at({3}).storey = 1;
+  const Markers markers = by_name(graph_markers(graph, layer));
+  ASSERT_EQ(markers.count("storeys"), 2U);
+  EXPECT_EQ(markers.count("storeys_labels"), 2U);
+  for (const auto& [name, marker] : markers) {
+    if (name == "storeys") {
+      EXPECT_DOUBLE_EQ(marker.pose.position.z, 3 * layer + (marker.id == 0 ? 1 : 4));
+    }
+    if (name == "storeys_places") {
+      EXPECT_EQ(marker.points.size(), 2U);
+    }
+  }
+}
+
 TEST(Markers, OpeningsJoinThePlacesTheyName) {
   GraphSnapshot graph = small_graph();
   graph.rooms[{3}] = {{3}, {5, 0, 1}, {4, 4}, 0, {{0}, {1}, {0}, {1}}};
