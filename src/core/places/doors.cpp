@@ -48,8 +48,10 @@ struct Behind {
   double depth = 0;  // of the wall, about
 };
 
-Behind behind(const FoundPlaces& places, const WallLine& line, double along) {
-  for (double depth = 0.05; depth <= deepest; depth += 0.05) {
+// What lies behind a gap, as far as no other face closes it.
+Behind behind(const FoundPlaces& places, const std::vector<WallLine>& lines, const WallLine& line, double along) {
+  const double end = std::min(deepest, way_to_face(lines, line.at(along), -line.normal));
+  for (double depth = 0.05; depth <= end; depth += 0.05) {
     std::vector<std::size_t> found = places_at(places, line.at(along) - (depth + 0.05) * line.normal);
     if (!found.empty()) return {std::move(found), depth};
   }
@@ -66,7 +68,7 @@ std::vector<FoundDoor> find_doors(const std::vector<WallLine>& lines, const Foun
       if (!gap.low_jamb || !gap.high_jamb || gap.along.length() > params.widest_door) continue;
       const double middle = gap.along.center();
       const std::vector<std::size_t> front = places_at(places, line.at(middle) + before_face * line.normal);
-      Behind back = behind(places, line, middle);
+      Behind back = behind(places, lines, line, middle);
       if (front.empty()) continue;
       if (back.places.empty()) {
         // The wall's other face has not been seen from here; its thickness is a usual one.

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace sgraph {
 namespace {
@@ -9,6 +10,7 @@ namespace {
 constexpr double step = 0.05;                 // along a line [m]
 constexpr double beyond = 1.8;                // a door may lie between a wall's end and the next wall: this far the line is followed [m]
 constexpr double parallel = 0.07;             // between faces of one line [rad]
+constexpr double swing = 1.5;                 // the ends of a face of a line may be off by this much more than its middle
 constexpr double nearest = 0.6;               // faces this near along the line may be one wall however short they are [m]
 constexpr double near = 3.0;                  // faces further apart along the line are no one wall [m]
 constexpr double shortest_face = 0.35;        // [m]
@@ -17,6 +19,8 @@ constexpr double loose = 0.15;                // a speck in a gap may be this lo
 constexpr int least_hits = 2;                 // keyframes that saw a surface where most saw through
 constexpr double pane = 0.4;                  // a pane is looked for this far to both sides [m]
 constexpr double most_of_section = 0.6;       // share of the narrower place's width
+constexpr double furthest = 40;               // a place is wide enough for any gap [m]
+constexpr double facing_least = 0.2;          // a way that grazes a face by less than this (sine) goes on
 constexpr double jamb_reach = 0.12;           // between a gap and the wall that ends it: two cells and noise [m]
 constexpr double cross_section_margin = 0.2;  // a door is narrower than the places by at least this [m]
 
@@ -35,7 +39,9 @@ bool fits(const WallLine& line, const Wall& wall, double coplanar) {
   // A short face (a cupboard's side) far off in the same direction is no part of this wall.
   const double apart = std::clamp(std::min(own.length(), hull(line.support).length()), nearest, near);
   if (overlap(stretch, hull(line.support)) < -apart) return false;
-  return std::abs(line.distance(wall.at(own.low))) <= coplanar && std::abs(line.distance(wall.at(own.high))) <= coplanar;
+  // A face's place is known better than its direction: its ends swing.
+  const auto within = [&](double along, double most) { return std::abs(line.distance(wall.at(along))) <= most; };
+  return within(own.center(), coplanar) && within(own.low, swing * coplanar) && within(own.high, swing * coplanar);
 }
 
 void add_face(WallLine& line, const Wall& wall, std::size_t index) {
@@ -73,20 +79,47 @@ Bin look(const FreeSpace& space, const WallLine& line, double along) {
   return Bin::unknown;
 }
 
-// Free way from a point, up to `most`.
-double free_way(const FreeSpace& space, const Eigen::Vector2d& from, const Eigen::Vector2d& direction, double most) {
-  double way = 0;
-  while (way < most && space.at(from + way * direction).free()) way += step;
-  return way;
+// Way from a point to the nearest line that looks at it and holds where the way meets it.
+template <class Holds>
+double way_to_line(const std::vector<WallLine>& lines, const Eigen::Vector2d& from, const Eigen::Vector2d& direction, Holds holds) {
+  double least = std::numeric_limits<double>::infinity();
+  for (const WallLine& line : lines) {
+    const double facing = -line.normal.dot(direction);
+    const double distance = line.distance(from);
+    if (facing < facing_least || distance < 0 || distance >= least * facing) continue;
+    if (holds(line, line.direction().dot(from + distance / facing * direction))) least = distance / facing;
+  }
+  return least;
 }
 
-// Width of the free space beside the middle of a gap, parallel to the line, on the side that `inwards` looks to.
-double width_beside(const FreeSpace& space, const WallLine& line, const Interval& gap, const Eigen::Vector2d& inwards, double most) {
+// Way to the nearest gap of a wall that may be a door: what lies behind it adds nothing to a place's width.
+double way_to_door(const std::vector<WallLine>& lines, const Eigen::Vector2d& from, const Eigen::Vector2d& direction, const PlaceParams& params) {
+  return way_to_line(lines, from, direction, [&](const WallLine& line, double along) {
+    return std::any_of(line.gaps.begin(), line.gaps.end(), [&](const Gap& gap) {
+      return gap.low_jamb && gap.high_jamb && gap.along.length() <= params.max_door && along >= gap.along.low && along <= gap.along.high;
+    });
+  });
+}
+
+// Free way from a point to the next face or door, up to `furthest`. Rays pass through a scaffold and over a low wall; its face ends the way.
+double free_way(const FreeSpace& space, const std::vector<WallLine>& lines, const Eigen::Vector2d& from, const Eigen::Vector2d& direction,
+                const PlaceParams& params) {
+  const double end = std::min({furthest, way_to_face(lines, from, direction), way_to_door(lines, from, direction, params)});
+  double way = 0;
+  while (way < end && space.at(from + way * direction).free()) way += step;
+  return std::min(way, end);
+}
+
+// Width of the free space beside the middle of a gap, parallel to the line, on the side that `inwards` looks to; as far as no other face hides it.
+double width_beside(const FreeSpace& space, const std::vector<WallLine>& lines, const WallLine& line, const Interval& gap,
+                    const Eigen::Vector2d& inwards, const PlaceParams& params) {
   double widest = 0;
+  const Eigen::Vector2d middle = line.at(gap.center());
+  const double end = way_to_face(lines, middle, inwards);
   for (const double depth : {0.35, 0.5, 0.7, 0.9, 1.1}) {
-    const Eigen::Vector2d p = line.at(gap.center()) + depth * inwards;
-    if (!space.at(p).free()) continue;
-    widest = std::max(widest, free_way(space, p, line.direction(), most) + free_way(space, p, -line.direction(), most));
+    const Eigen::Vector2d p = middle + depth * inwards;
+    if (depth >= end || !space.at(p).free()) continue;
+    widest = std::max(widest, free_way(space, lines, p, line.direction(), params) + free_way(space, lines, p, -line.direction(), params));
   }
   return widest;
 }
@@ -174,32 +207,19 @@ void correct_support(WallLine& line, const Profile& profile) {
   while (parts.size() > 1 && is_scrap(parts.back(), parts[parts.size() - 2])) parts.pop_back();
 }
 
-void find_gaps(WallLine& line, const Profile& profile, const FreeSpace& space, const PlaceParams& params) {
+// The gaps of a line, and where it bounds.
+void find_gaps(WallLine& line, const Profile& profile, const PlaceParams& params) {
   const Interval whole = hull(line.support);
+  Intervals holes;
   visit_runs(profile.bins, true, [&](std::size_t begin, std::size_t end) {
     Gap gap;
     gap.along = profile.stretch(begin, end);
     gap.low_jamb = begin > 0;
     gap.high_jamb = end < profile.bins.size();
-    if (gap.along.length() >= params.min_door) line.gaps.push_back(gap);
-  });
-  const auto ends_at_wall = [&](double at) {
-    return std::any_of(line.support.begin(), line.support.end(),
-                       [&](const Interval& part) { return at > part.low - jamb_reach && at < part.high + jamb_reach; });
-  };
-  Intervals holes;
-  for (Gap& gap : line.gaps) {
+    if (gap.along.length() < params.min_door) return;
+    line.gaps.push_back(gap);
     holes.push_back(gap.along);
-    const double most = 40;
-    gap.front = width_beside(space, line, gap.along, line.normal, most);
-    gap.back = width_beside(space, line, gap.along, -line.normal, most);
-    if (!gap.low_jamb || !gap.high_jamb || total_length(line.support) < params.furniture_depth) continue;
-    const double narrower = std::min(gap.front, gap.back);
-    const double width = gap.along.length();
-    // What takes up most of a corridor's width is a door when wall ends it on both sides: a cupboard at one side of a corridor leaves a gap too.
-    if (width > most_of_section * narrower && !(ends_at_wall(gap.along.low) && ends_at_wall(gap.along.high))) continue;
-    gap.cut = width <= params.max_door ? narrower >= width + cross_section_margin : width <= params.join_share * narrower;
-  }
+  });
   // Solid: what has been seen, what nobody sees between, and the short way to the next corner.
   Intervals solid;
   for (const Interval& part : gaps(holes, profile.range)) {
@@ -211,12 +231,36 @@ void find_gaps(WallLine& line, const Profile& profile, const FreeSpace& space, c
   line.solid = unite(std::move(solid));
 }
 
+// Which gaps of a line part two places.
+void find_cuts(WallLine& line, const std::vector<WallLine>& lines, const FreeSpace& space, const PlaceParams& params) {
+  const auto ends_at_wall = [&](double at) {
+    return std::any_of(line.support.begin(), line.support.end(),
+                       [&](const Interval& part) { return at > part.low - jamb_reach && at < part.high + jamb_reach; });
+  };
+  for (Gap& gap : line.gaps) {
+    gap.front = width_beside(space, lines, line, gap.along, line.normal, params);
+    gap.back = width_beside(space, lines, line, gap.along, -line.normal, params);
+    if (!gap.low_jamb || !gap.high_jamb || total_length(line.support) < params.furniture_depth) continue;
+    const double narrower = std::min(gap.front, gap.back);
+    const double width = gap.along.length();
+    // What takes up most of a corridor's width is a door when wall ends it on both sides: a cupboard at one side of a corridor leaves a gap too.
+    if (width > most_of_section * narrower && !(ends_at_wall(gap.along.low) && ends_at_wall(gap.along.high))) continue;
+    gap.cut = width <= params.max_door ? narrower >= width + cross_section_margin : width <= params.join_share * narrower;
+  }
+}
+
 }  // namespace
 
 double trust(const Wall& wall) {
   constexpr double known_well = 10;  // views
   const auto views = static_cast<double>(wall.views);
   return (1 + views) / (known_well + views);
+}
+
+double way_to_face(const std::vector<WallLine>& lines, const Eigen::Vector2d& from, const Eigen::Vector2d& direction) {
+  return way_to_line(lines, from, direction, [](const WallLine& line, double along) {
+    return std::any_of(line.solid.begin(), line.solid.end(), [&](const Interval& part) { return along >= part.low && along <= part.high; });
+  });
 }
 
 std::vector<WallLine> find_wall_lines(const std::vector<Wall>& walls, const FreeSpace& space, const std::vector<Eigen::Vector2d>& path,
@@ -250,8 +294,9 @@ std::vector<WallLine> find_wall_lines(const std::vector<Wall>& walls, const Free
     const auto hides = [&](const WallLine& other) { return &other != &lines[i] && is_furniture(lines[i], other, params); };
     if (std::any_of(lines.begin(), lines.end(), hides)) continue;
     bounding.push_back(lines[i]);
-    find_gaps(bounding.back(), profiles[i], space, params);
+    find_gaps(bounding.back(), profiles[i], params);
   }
+  for (WallLine& line : bounding) find_cuts(line, bounding, space, params);
   return bounding;
 }
 

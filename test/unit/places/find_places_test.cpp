@@ -262,6 +262,53 @@ TEST(FindPlaces, AGapBesideFurnitureIsNoDoor) {
   EXPECT_TRUE(found.doors.empty());
 }
 
+TEST(FindPlaces, APassageBesideWhatRaysPassIsNoDoor) {
+  ScannedPlan scanned;
+  scanned.face({{0, 0}, {10, 0}, {10, 8}, {0, 8}});
+  scanned.box({4, 3}, {6, 5}, 100);  // a shaft, and a scaffold whose fronts are in line with its own: rays pass between the posts
+  const std::vector<Interval> between_posts{{0.25, 0.45}, {0.7, 0.9}, {1.15, 1.35}, {1.6, 1.8}};
+  scanned.plan.add({7.6, 3}, {7.6, 5}, between_posts);
+  scanned.plan.add({7.6, 5}, {10, 5}, between_posts);
+  scanned.plan.add({10, 3}, {7.6, 3}, between_posts);
+  scanned.walk({{2, 2}, {2, 6}, {6.8, 6.5}, {6.8, 1.5}, {2, 1.5}});
+  const FoundPlaces found = found_in(scanned);
+  ASSERT_EQ(found.places.size(), 1U);
+  EXPECT_TRUE(found.doors.empty());
+}
+
+TEST(FindPlaces, AGapBetweenCupboardsIsNoDoorThroughTheWallBehind) {
+  ScannedPlan scanned;
+  scanned.face({{0, 0}, {10, 0}, {10, 8}, {0, 8}});
+  scanned.wall({0, 4}, {10, 4}, {{8.6, 9.6}});
+  scanned.box({0.1, 4.08}, {3.0, 4.6}, 100);
+  scanned.box({4.2, 4.08}, {7.6, 4.6}, 100);
+  scanned.walk({{2, 2}, {9.1, 2}, {9.1, 6}, {2, 6}, {3.6, 5.2}, {5, 6}});
+  const FoundPlaces found = found_in(scanned);
+  ASSERT_EQ(found.places.size(), 2U);
+  ASSERT_EQ(found.doors.size(), 1U);
+  EXPECT_NEAR(found.doors[0].position.x(), 9.1, 0.1);
+}
+
+TEST(FindPlaces, ADoorBesideTheEndOfACorridorMakesItNoWider) {
+  ScannedPlan scanned;
+  scanned.face({{0, 8}, {8, 8}, {8, 0}, {9.85, 0}, {9.85, 8}, {18, 8}, {18, 9.72}, {0, 9.72}}, {{}, {}, {}, {}, {}, {}, {{10.1, 11.2}}});
+  scanned.face({{0, 9.9}, {18, 9.9}, {18, 15}, {0, 15}}, {{{6.8, 7.9}}});
+  scanned.walk({{1, 9}, {17, 9}, {9, 9}, {9, 1}, {9, 9}, {7.35, 9}, {7.35, 12}, {2, 12}, {16, 12}});
+  const FoundPlaces found = found_in(scanned);
+  EXPECT_EQ(found.places.size(), 3U);
+  EXPECT_EQ(found.branchings.size(), 1U);
+  EXPECT_EQ(found.doors.size(), 1U);
+}
+
+TEST(FindPlaces, FacesThatSwingALittleAreOneWall) {
+  ScannedPlan scanned;
+  scanned.face({{0, 0}, {12, 0}, {12, 4}, {0, 4}});
+  scanned.plan.add({3, 0.075}, {9, 0.11});  // the same wall, known less well
+  scanned.walk({{1, 2}, {11, 2}});
+  const std::vector<WallLine> lines = find_wall_lines(scanned.plan.walls, scanned.space, scanned.path, PlaceParams{});
+  EXPECT_EQ(lines.size(), 4U);
+}
+
 TEST(FindPlaces, WhatTheRobotHasNotEnteredIsNoPlace) {
   ScannedPlan scanned;
   scanned.face({{0, 0}, {10, 0}, {10, 4}, {0, 4}});

@@ -35,6 +35,9 @@ struct WallLine {
 /// How far a wall's figures are to be trusted for the number of its views, 0..1.
 double trust(const Wall& wall);
 
+/// Way from a point along a unit vector to the nearest solid stretch of a line that looks at it [m]; infinite where there is none.
+double way_to_face(const std::vector<WallLine>& lines, const Eigen::Vector2d& from, const Eigen::Vector2d& direction);
+
 /// The lines of the walls that can bound a place, with their gaps. What stands before a wall and hides it (wardrobes, shelves) makes none.
 std::vector<WallLine> find_wall_lines(const std::vector<Wall>& walls, const FreeSpace& space, const std::vector<Eigen::Vector2d>& path,
                                       const PlaceParams& params);
