@@ -1,6 +1,7 @@
 #include "sgraph_slam/core/io/mirror_images.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <optional>
@@ -199,10 +200,61 @@ struct Sight {
   std::vector<Meeting> on;
 };
 
+// The walls that a keyframe may see, by the direction in which they lie: a ray meets few of a building's walls.
+class WallsAround {
+ public:
+  // `moved`: how far from `center` the rays begin [m].
+  WallsAround(const std::vector<Wall>& walls, const Eigen::Vector3d& center, double moved) : center_(center.head<2>()) {
+    for (std::uint32_t w = 0; w < walls.size(); ++w) {
+      if (walls[w].plane.distance(center) <= behind || walls[w].box.exteriorDistance(center) >= reach) continue;
+      const Wall& wall = walls[w];
+      // Its ends on the ground as seen from here, and how far beside them a ray that begins elsewhere may pass the same place.
+      const double length = cell * wall.columns;
+      const Eigen::Vector2d along = wall.along.head<2>().normalized();
+      const Eigen::Vector2d normal = wall.plane.normal.head<2>().normalized();
+      const double first = wall.corner.x() - along.dot(center_);
+      const double distance = wall.plane.normal.dot(center) + wall.plane.d;
+      const double nearest = std::hypot(distance, std::max({0.0, first, -first - length}));
+      const double margin = moved + on_wall + std::abs(wall.plane.normal.z()) * wall.box.sizes().z();
+      if (nearest <= 1.5 * margin) {  // all around
+        for (std::vector<std::uint32_t>& sector : sectors_) sector.push_back(w);
+        continue;
+      }
+      const double turn = std::asin(margin / nearest);
+      const auto direction = [&](double at, double by) { return Eigen::Rotation2Dd(by) * (at * along - distance * normal); };
+      // Seen from before it, a wall's axis runs from its first column, on the right or on the left.
+      const double side = along.x() * normal.y() - along.y() * normal.x() > 0 ? 1 : -1;
+      const int from = sector_of(direction(side > 0 ? first : first + length, -turn));
+      const int to = sector_of(direction(side > 0 ? first + length : first, turn));
+      for (int k = from;; k = (k + 1) % sectors) {
+        sectors_[static_cast<std::size_t>(k)].push_back(w);
+        if (k == to) break;
+      }
+    }
+  }
+
+  [[nodiscard]] const std::vector<std::uint32_t>& towards(const Eigen::Vector3d& p) const {
+    return sectors_[static_cast<std::size_t>(sector_of(p.head<2>() - center_))];
+  }
+
+ private:
+  static constexpr int sectors = 256;
+
+  // Grows with the angle from -pi; not evenly, but without an arcus tangent.
+  static int sector_of(const Eigen::Vector2d& v) {
+    const double sum = std::abs(v.x()) + std::abs(v.y());
+    const double part = sum > 0 ? v.x() / sum : 1;  // 1 ahead, -1 behind
+    const double around = v.y() < 0 ? part + 1 : 3 - part;
+    return std::min(static_cast<int>(around * (sectors / 4)), sectors - 1);
+  }
+
+  Eigen::Vector2d center_;
+  std::array<std::vector<std::uint32_t>, sectors> sectors_;
+};
+
 // Calls `visit(sight)` with every point of every keyframe.
 template <class Visit>
 void visit_sights(const GraphSnapshot& snapshot, const Pose& T_base_lidar, const std::vector<Wall>& walls, const Visit& visit) {
-  std::vector<std::uint32_t> facing;
   Sight sight;
   for (const auto& [id, keyframe] : snapshot.keyframes) {
     const CloudPtr cloud = keyframe.cloud.get();
@@ -210,18 +262,16 @@ void visit_sights(const GraphSnapshot& snapshot, const Pose& T_base_lidar, const
     const Pose T_map_lidar = keyframe.T_map_base * T_base_lidar;
     const RayOrigins origins(*cloud, T_map_lidar);
     const Eigen::Matrix3d rotation = T_map_lidar.matrix();
-    facing.clear();
-    for (std::uint32_t w = 0; w < walls.size(); ++w) {
-      const bool before = walls[w].plane.distance(T_map_lidar.translation) > behind;
-      if (before && walls[w].box.exteriorDistance(T_map_lidar.translation) < reach) facing.push_back(w);
-    }
+    double moved = 0;
+    for (const Viewpoint& viewpoint : cloud->viewpoints) moved = std::max(moved, viewpoint.position.norm());
+    const WallsAround around(walls, T_map_lidar.translation, moved);
     for (const Point& point : cloud->points) {
       if (!point.position().allFinite()) continue;
       sight.p = rotation * point.position().cast<double>() + T_map_lidar.translation;
       if (!(sight.p.cwiseAbs().maxCoeff() < farthest)) continue;
       sight.through.clear();
       sight.on.clear();
-      for (const std::uint32_t w : facing) {
+      for (const std::uint32_t w : around.towards(sight.p)) {
         const Wall& wall = walls[w];
         const double s = wall.plane.distance(sight.p);
         if (s > on_wall) continue;
