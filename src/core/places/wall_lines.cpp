@@ -16,7 +16,8 @@ constexpr double near = 3.0;                  // faces further apart along the l
 constexpr double shortest_face = 0.35;        // [m]
 constexpr double scrap = 0.6;                 // [m]
 constexpr double loose = 0.15;                // a speck in a gap may be this long [m]
-constexpr int least_hits = 2;                 // keyframes that saw a surface where most saw through
+constexpr int least_hits = 2;                 // keyframes that saw a pane where most saw through
+constexpr double more_than_stray = 3;         // times the hits a ray of the open floor
 constexpr double pane = 0.4;                  // a pane is looked for this far to both sides [m]
 constexpr double most_of_section = 0.6;       // share of the narrower place's width
 constexpr double furthest = 40;               // a place is wide enough for any gap [m]
@@ -65,16 +66,16 @@ bool is_furniture(const WallLine& line, const WallLine& behind, const PlaceParam
   return std::min(a, b) > whole.low && std::max(a, b) < whole.high;
 }
 
-enum class Bin : char { unknown, solid, open, glass };
+enum class Bin : char { unknown, solid, open };
 
-// What the raster says of the line at one place: a surface, rays that go through below any sill, or both: a pane gives back what meets it squarely.
+// What the raster says of the line at one place: a surface, or rays that go through below any sill.
 Bin look(const FreeSpace& space, const WallLine& line, double along) {
   const Eigen::Vector2d p = line.at(along);
   int hits = 0;
   for (const double depth : {-0.04, 0.0, 0.04}) hits = std::max<int>(hits, space.at(p - depth * line.normal).hits);
   int through = 1000000;
   for (const double depth : {0.05, 0.1}) through = std::min<int>(through, space.at(p - depth * line.normal).low);
-  if (hits * 4 < through) return hits >= least_hits ? Bin::glass : Bin::open;
+  if (hits * 4 < through) return Bin::open;
   if (hits > 0) return Bin::solid;
   return Bin::unknown;
 }
@@ -92,19 +93,26 @@ double way_to_line(const std::vector<WallLine>& lines, const Eigen::Vector2d& fr
   return least;
 }
 
-// Way to the nearest gap of a wall that may be a door: what lies behind it adds nothing to a place's width.
-double way_to_door(const std::vector<WallLine>& lines, const Eigen::Vector2d& from, const Eigen::Vector2d& direction, const PlaceParams& params) {
+// Whether a position on a line is next to where its wall has been seen.
+bool is_at_wall(const WallLine& line, double at) {
+  return std::any_of(line.support.begin(), line.support.end(),
+                     [&](const Interval& part) { return at > part.low - jamb_reach && at < part.high + jamb_reach; });
+}
+
+// Way to the nearest gap that may be a door, or that is in a wall: what lies behind a door, a pane or a passage adds nothing to a place's width.
+double way_to_gap(const std::vector<WallLine>& lines, const Eigen::Vector2d& from, const Eigen::Vector2d& direction, const PlaceParams& params) {
   return way_to_line(lines, from, direction, [&](const WallLine& line, double along) {
     return std::any_of(line.gaps.begin(), line.gaps.end(), [&](const Gap& gap) {
-      return gap.low_jamb && gap.high_jamb && gap.along.length() <= params.max_door && along >= gap.along.low && along <= gap.along.high;
+      if (!gap.low_jamb || !gap.high_jamb || along < gap.along.low || along > gap.along.high) return false;
+      return gap.along.length() <= params.max_door || (is_at_wall(line, gap.along.low) && is_at_wall(line, gap.along.high));
     });
   });
 }
 
-// Free way from a point to the next face or door, up to `furthest`. Rays pass through a scaffold and over a low wall; its face ends the way.
+// Free way from a point to the next face or gap, up to `furthest`. Rays pass through a scaffold and over a low wall; its face ends the way.
 double free_way(const FreeSpace& space, const std::vector<WallLine>& lines, const Eigen::Vector2d& from, const Eigen::Vector2d& direction,
                 const PlaceParams& params) {
-  const double end = std::min({furthest, way_to_face(lines, from, direction), way_to_door(lines, from, direction, params)});
+  const double end = std::min({furthest, way_to_face(lines, from, direction), way_to_gap(lines, from, direction, params)});
   double way = 0;
   while (way < end && space.at(from + way * direction).free()) way += step;
   return std::min(way, end);
@@ -146,20 +154,37 @@ void visit_runs(const std::vector<Bin>& bins, bool open, Visit visit) {
   }
 }
 
-// A pane shows a surface all along. Elsewhere it is the cell of a jamb, somebody who passed, a leg of a chair.
-void keep_glass(std::vector<Bin>& bins) {
-  const std::vector<Bin> seen = bins;
+// A pane gives back what meets it squarely, at most places along it and at one depth within the thickness of its wall. In the open there are stray
+// hits (people who passed, an uneven floor): as many for the rays as before the wall.
+void close_panes(const WallLine& line, const FreeSpace& space, Profile& profile) {
+  const std::vector<Bin> seen = profile.bins;
   const auto reach = static_cast<std::ptrdiff_t>(pane / step);
-  const auto size = static_cast<std::ptrdiff_t>(bins.size());
+  const auto size = static_cast<std::ptrdiff_t>(seen.size());
   for (std::ptrdiff_t i = 0; i < size; ++i) {
-    if (seen[static_cast<std::size_t>(i)] != Bin::glass) continue;
-    int glass = 0;
-    int open = 0;
+    if (seen[static_cast<std::size_t>(i)] != Bin::open) continue;
+    std::vector<Eigen::Vector2d> open;
     for (std::ptrdiff_t k = std::max<std::ptrdiff_t>(0, i - reach); k <= std::min(size - 1, i + reach); ++k) {
-      glass += seen[static_cast<std::size_t>(k)] == Bin::glass ? 1 : 0;
-      open += seen[static_cast<std::size_t>(k)] == Bin::open ? 1 : 0;
+      if (seen[static_cast<std::size_t>(k)] == Bin::open) open.push_back(line.at(profile.position(static_cast<std::size_t>(k))));
     }
-    bins[static_cast<std::size_t>(i)] = glass > open && glass * step > 2 * loose ? Bin::solid : Bin::open;
+    double hits = 0;
+    double rays = 1;
+    for (const Eigen::Vector2d& p : open) {
+      for (int row = 4; row < 9; ++row) {
+        const FreeCell& cell = space.at(p + row * step * line.normal);
+        hits += cell.hits;
+        rays += cell.low;
+      }
+    }
+    const double stray = hits / rays;
+    int most = 0;
+    for (int row = 0; row < 5; ++row) {
+      const auto shows = [&](const Eigen::Vector2d& p) {
+        const FreeCell& cell = space.at(p - row * step * line.normal);
+        return cell.hits >= least_hits && cell.hits > more_than_stray * stray * cell.low;
+      };
+      most = std::max(most, static_cast<int>(std::count_if(open.begin(), open.end(), shows)));
+    }
+    if (most * 2 > static_cast<int>(open.size()) && most * step > 2 * loose) profile.bins[static_cast<std::size_t>(i)] = Bin::solid;
   }
 }
 
@@ -170,7 +195,7 @@ Profile profile_of(const WallLine& line, const FreeSpace& space, const std::vect
   profile.bins.resize(static_cast<std::size_t>(std::ceil(profile.range.length() / step)));
   std::vector<Bin>& bins = profile.bins;
   for (std::size_t i = 0; i < bins.size(); ++i) bins[i] = look(space, line, profile.position(i));
-  keep_glass(bins);
+  close_panes(line, space, profile);
   // Where the robot has passed there is no wall, whatever stood or stands there.
   for (std::size_t i = 1; i < path.size(); ++i) {
     const double a = line.distance(path[i - 1]);
@@ -233,10 +258,6 @@ void find_gaps(WallLine& line, const Profile& profile, const PlaceParams& params
 
 // Which gaps of a line part two places.
 void find_cuts(WallLine& line, const std::vector<WallLine>& lines, const FreeSpace& space, const PlaceParams& params) {
-  const auto ends_at_wall = [&](double at) {
-    return std::any_of(line.support.begin(), line.support.end(),
-                       [&](const Interval& part) { return at > part.low - jamb_reach && at < part.high + jamb_reach; });
-  };
   for (Gap& gap : line.gaps) {
     gap.front = width_beside(space, lines, line, gap.along, line.normal, params);
     gap.back = width_beside(space, lines, line, gap.along, -line.normal, params);
@@ -244,7 +265,7 @@ void find_cuts(WallLine& line, const std::vector<WallLine>& lines, const FreeSpa
     const double narrower = std::min(gap.front, gap.back);
     const double width = gap.along.length();
     // What takes up most of a corridor's width is a door when wall ends it on both sides: a cupboard at one side of a corridor leaves a gap too.
-    if (width > most_of_section * narrower && !(ends_at_wall(gap.along.low) && ends_at_wall(gap.along.high))) continue;
+    if (width > most_of_section * narrower && !(is_at_wall(line, gap.along.low) && is_at_wall(line, gap.along.high))) continue;
     gap.cut = width <= params.max_door ? narrower >= width + cross_section_margin : width <= params.join_share * narrower;
   }
 }

@@ -309,6 +309,39 @@ TEST(FindPlaces, FacesThatSwingALittleAreOneWall) {
   EXPECT_EQ(lines.size(), 4U);
 }
 
+TEST(FindPlaces, StrayHitsInACorridorMakeNoWall) {
+  ScannedPlan scanned;
+  scanned.stray = 7;
+  scanned.face({{0, 0}, {12, 0}, {12, 2}, {0, 2}});
+  scanned.plan.add({6, 2.15}, {6, 6});  // of the rooms beside it; its line is followed into the corridor
+  std::vector<Eigen::Vector2d> rounds;
+  for (int i = 0; i < 12; ++i) rounds.emplace_back(i % 2 == 0 ? 1 : 11, 1);
+  scanned.walk(rounds);
+  PlaceParams params;
+  params.robot_radius = 0.3;  // its way is as wide as a door
+  const FoundPlaces found = find_places(scanned.space, scanned.plan.walls, scanned.path, 0, params);
+  ASSERT_EQ(found.places.size(), 1U);
+  EXPECT_NEAR(found.places[0].area.size.x(), 12, 1e-6);
+}
+
+TEST(FindPlaces, APaneWithinTheThicknessOfAWallIsNoDoor) {
+  ScannedPlan scanned;
+  scanned.face({{0, 0}, {10, 0}, {10, 6}, {0, 6}});
+  const std::vector<Interval> holes{{0.6, 2.0}, {4.0, 4.9}};  // the pane, and a door
+  scanned.plan.add({4.85, 0}, {4.85, 6}, holes);
+  scanned.plan.add({5.15, 6}, {5.15, 0}, {{1.1, 2.0}, {4.0, 5.4}});
+  const std::vector<Wall> without_pane = scanned.plan.walls;
+  for (const bool back : {false, true}) {
+    scanned.panes.insert(scanned.plan.walls.size());
+    scanned.plan.add({5, back ? 2.0 : 0.6}, {5, back ? 0.6 : 2.0});
+  }
+  scanned.walk({{2, 5}, {2, 0.5}, {3.5, 0.5}, {3.5, 4.45}, {6.5, 4.45}, {6.5, 0.5}, {8, 0.5}, {8, 5}});
+  const FoundPlaces found = find_places(scanned.space, without_pane, scanned.path, 0, PlaceParams{});
+  EXPECT_EQ(found.places.size(), 2U);
+  ASSERT_EQ(found.doors.size(), 1U);
+  EXPECT_NEAR(found.doors[0].position.y(), 4.45, 0.1);
+}
+
 TEST(FindPlaces, WhatTheRobotHasNotEnteredIsNoPlace) {
   ScannedPlan scanned;
   scanned.face({{0, 0}, {10, 0}, {10, 4}, {0, 4}});

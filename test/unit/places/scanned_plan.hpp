@@ -3,6 +3,7 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <set>
 #include <utility>
 #include <vector>
 
@@ -19,6 +20,8 @@ struct ScannedPlan {
   FreeSpace space{FreeSpaceParams{}};
   std::vector<std::pair<KeyframeId, Cloud>> clouds;
   std::map<std::size_t, double> heights;  ///< of walls that rays can pass over, by their place in the plan [m]
+  std::set<std::size_t> panes;            ///< walls of glass: they give back what meets them squarely
+  int stray = 0;                          ///< every so many rays end on something that is not there any more; 0: none
 
   /// Both faces of a wall of 0.15 m about the line from a to b.
   void wall(const Eigen::Vector2d& a, const Eigen::Vector2d& b, const std::vector<Interval>& holes = {}) {
@@ -68,6 +71,8 @@ struct ScannedPlan {
   }
 
  private:
+  int rays_ = 0;
+
   void look_from(const Eigen::Vector2d& p) {
     path.push_back(p);
     const KeyframeId id{static_cast<std::int64_t>(poses.size())};
@@ -77,7 +82,8 @@ struct ScannedPlan {
       const double azimuth = i * M_PI / 360;
       const Eigen::Vector2d u(std::cos(azimuth), std::sin(azimuth));
       for (const double slope : {-0.12, -0.04, 0.02, 0.1, 0.25}) {
-        const double range = std::min(range_along(p, u, slope), 30.0);
+        double range = std::min(range_along(p, u, slope), 30.0);
+        if (stray > 0 && ++rays_ % stray == 0) range *= 0.05 + 0.9 * std::fmod(0.618034 * rays_, 1.0);
         const double reached = slope < 0 ? std::min(range, 0.7 / -slope) : range;
         Point point;
         point.set_position(Eigen::Vector3d(reached * u.x(), reached * u.y(), reached * slope).cast<float>());
@@ -97,6 +103,7 @@ struct ScannedPlan {
       if (std::abs(across) < 1e-9) continue;
       const double range = -wall.distance(p) / across;
       if (range <= 0 || range >= nearest) continue;
+      if (panes.count(i) > 0 && std::abs(across) < 0.97) continue;
       if (height != heights.end() && 0.7 + slope * range > height->second) continue;
       const double along = wall.direction().dot(p + range * u);
       for (const Interval& part : wall.support) {
