@@ -1,6 +1,7 @@
 #include "sgraph_slam/core/places/wall_lines.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 
@@ -119,14 +120,15 @@ double free_way(const FreeSpace& space, const std::vector<WallLine>& lines, cons
 }
 
 // Width of the free space beside the middle of a gap, parallel to the line, on the side that `inwards` looks to; as far as no other face hides it.
+// More than `enough` isn't looked for.
 double width_beside(const FreeSpace& space, const std::vector<WallLine>& lines, const WallLine& line, const Interval& gap,
-                    const Eigen::Vector2d& inwards, const PlaceParams& params) {
+                    const Eigen::Vector2d& inwards, double enough, const PlaceParams& params) {
   double widest = 0;
   const Eigen::Vector2d middle = line.at(gap.center());
   const double end = way_to_face(lines, middle, inwards);
   for (const double depth : {0.35, 0.5, 0.7, 0.9, 1.1}) {
     const Eigen::Vector2d p = middle + depth * inwards;
-    if (depth >= end || !space.at(p).free()) continue;
+    if (depth >= end || widest >= enough || !space.at(p).free()) continue;
     widest = std::max(widest, free_way(space, lines, p, line.direction(), params) + free_way(space, lines, p, -line.direction(), params));
   }
   return widest;
@@ -160,31 +162,47 @@ void close_panes(const WallLine& line, const FreeSpace& space, Profile& profile)
   const std::vector<Bin> seen = profile.bins;
   const auto reach = static_cast<std::ptrdiff_t>(pane / step);
   const auto size = static_cast<std::ptrdiff_t>(seen.size());
+  // What lies at each open place: within the wall's thickness, in rows, and before the wall.
+  constexpr int rows = 5;
+  struct Place {
+    std::ptrdiff_t bin;
+    std::array<FreeCell, rows> within;
+    double hits = 0, rays = 0;
+  };
+  std::vector<Place> open;
   for (std::ptrdiff_t i = 0; i < size; ++i) {
     if (seen[static_cast<std::size_t>(i)] != Bin::open) continue;
-    std::vector<Eigen::Vector2d> open;
-    for (std::ptrdiff_t k = std::max<std::ptrdiff_t>(0, i - reach); k <= std::min(size - 1, i + reach); ++k) {
-      if (seen[static_cast<std::size_t>(k)] == Bin::open) open.push_back(line.at(profile.position(static_cast<std::size_t>(k))));
+    const Eigen::Vector2d p = line.at(profile.position(static_cast<std::size_t>(i)));
+    Place& place = open.emplace_back();
+    place.bin = i;
+    for (int row = 0; row < rows; ++row) {
+      place.within[static_cast<std::size_t>(row)] = space.at(p - row * step * line.normal);
+      const FreeCell& before = space.at(p + (row + rows - 1) * step * line.normal);
+      place.hits += before.hits;
+      place.rays += before.low;
     }
+  }
+  auto first = open.begin();
+  auto end = open.begin();
+  for (const Place& place : open) {
+    while (first->bin < place.bin - reach) ++first;
+    while (end != open.end() && end->bin <= place.bin + reach) ++end;
     double hits = 0;
     double rays = 1;
-    for (const Eigen::Vector2d& p : open) {
-      for (int row = 4; row < 9; ++row) {
-        const FreeCell& cell = space.at(p + row * step * line.normal);
-        hits += cell.hits;
-        rays += cell.low;
-      }
+    for (auto beside = first; beside != end; ++beside) {
+      hits += beside->hits;
+      rays += beside->rays;
     }
     const double stray = hits / rays;
     int most = 0;
-    for (int row = 0; row < 5; ++row) {
-      const auto shows = [&](const Eigen::Vector2d& p) {
-        const FreeCell& cell = space.at(p - row * step * line.normal);
+    for (std::size_t row = 0; row < rows; ++row) {
+      const auto shows = [&](const Place& beside) {
+        const FreeCell& cell = beside.within[row];
         return cell.hits >= least_hits && cell.hits > more_than_stray * stray * cell.low;
       };
-      most = std::max(most, static_cast<int>(std::count_if(open.begin(), open.end(), shows)));
+      most = std::max(most, static_cast<int>(std::count_if(first, end, shows)));
     }
-    if (most * 2 > static_cast<int>(open.size()) && most * step > 2 * loose) profile.bins[static_cast<std::size_t>(i)] = Bin::solid;
+    if (most * 2 > static_cast<int>(end - first) && most * step > 2 * loose) profile.bins[static_cast<std::size_t>(place.bin)] = Bin::solid;
   }
 }
 
@@ -197,9 +215,10 @@ Profile profile_of(const WallLine& line, const FreeSpace& space, const std::vect
   for (std::size_t i = 0; i < bins.size(); ++i) bins[i] = look(space, line, profile.position(i));
   close_panes(line, space, profile);
   // Where the robot has passed there is no wall, whatever stood or stands there.
+  double b = path.empty() ? 0 : line.distance(path[0]);
   for (std::size_t i = 1; i < path.size(); ++i) {
-    const double a = line.distance(path[i - 1]);
-    const double b = line.distance(path[i]);
+    const double a = b;
+    b = line.distance(path[i]);
     if ((a > 0) == (b > 0)) continue;
     const double at = line.direction().dot(path[i - 1] + a / (a - b) * (path[i] - path[i - 1]));
     for (std::size_t k = 0; k < bins.size(); ++k) {
@@ -259,11 +278,12 @@ void find_gaps(WallLine& line, const Profile& profile, const PlaceParams& params
 // Which gaps of a line part two places.
 void find_cuts(WallLine& line, const std::vector<WallLine>& lines, const FreeSpace& space, const PlaceParams& params) {
   for (Gap& gap : line.gaps) {
-    gap.front = width_beside(space, lines, line, gap.along, line.normal, params);
-    gap.back = width_beside(space, lines, line, gap.along, -line.normal, params);
     if (!gap.low_jamb || !gap.high_jamb || total_length(line.support) < params.furniture_depth) continue;
-    const double narrower = std::min(gap.front, gap.back);
     const double width = gap.along.length();
+    const double enough = std::max(width + cross_section_margin, width / std::min(most_of_section, params.join_share));
+    gap.front = width_beside(space, lines, line, gap.along, line.normal, enough, params);
+    gap.back = width_beside(space, lines, line, gap.along, -line.normal, enough, params);
+    const double narrower = std::min(gap.front, gap.back);
     // What takes up most of a corridor's width is a door when wall ends it on both sides: a cupboard at one side of a corridor leaves a gap too.
     if (width > most_of_section * narrower && !(is_at_wall(line, gap.along.low) && is_at_wall(line, gap.along.high))) continue;
     gap.cut = width <= params.max_door ? narrower >= width + cross_section_margin : width <= params.join_share * narrower;
