@@ -3,6 +3,9 @@
 #include <ros/console.h>
 #include <ros/time.h>
 
+#include <cmath>
+#include <cstdio>
+
 namespace sgraph {
 
 namespace {
@@ -45,7 +48,11 @@ void Health::show(const std::string& name, const std::string& value) {
   values_[name] = value;
 }
 
-void Health::show(const std::string& name, double value) { show(name, std::to_string(value)); }
+void Health::show(const std::string& name, double value) {
+  char text[40];
+  std::snprintf(text, sizeof text, value == std::round(value) ? "%.0f" : "%.3f", value);  // counts as counts
+  show(name, text);
+}
 
 void Health::warn(const std::string& text) { report(diagnostic_msgs::DiagnosticStatus::WARN, text); }
 
