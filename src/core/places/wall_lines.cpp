@@ -18,6 +18,7 @@ constexpr double shortest_face = 0.35;        // [m]
 constexpr double scrap = 0.6;                 // [m]
 constexpr double loose = 0.15;                // a speck in a gap may be this long [m]
 constexpr int least_hits = 2;                 // keyframes that saw a pane where most saw through
+constexpr double least_share = 0.03;          // who walks by a metre before a pane meets it squarely from one keyframe of thirty
 constexpr double more_than_stray = 3;         // times the hits a ray of the open floor
 constexpr double pane = 0.4;                  // a pane is looked for this far to both sides [m]
 constexpr double most_of_section = 0.6;       // share of the narrower place's width
@@ -156,53 +157,60 @@ void visit_runs(const std::vector<Bin>& bins, bool open, Visit visit) {
   }
 }
 
+constexpr std::size_t rows = 5;  // of cells within the thickness of a wall, and before it
+
+// Hits a ray in the cells behind a place on a line, row by row; 0 where they are too few for a pane.
+std::array<double, rows> shares_within(const FreeSpace& space, const WallLine& line, const Eigen::Vector2d& p) {
+  std::array<double, rows> shares{};
+  for (std::size_t row = 0; row < rows; ++row) {
+    const FreeCell& cell = space.at(p - static_cast<double>(row) * step * line.normal);
+    if (cell.hits >= least_hits && cell.hits > least_share * cell.low) shares[row] = static_cast<double>(cell.hits) / std::max<int>(cell.low, 1);
+  }
+  return shares;
+}
+
+// Hits a ray on the open floor before some places on a line.
+double stray_before(const FreeSpace& space, const WallLine& line, const std::vector<double>& places) {
+  double hits = 0;
+  double rays = 1;
+  for (const double along : places) {
+    const Eigen::Vector2d first = line.at(along) + 4 * step * line.normal;
+    for (std::size_t row = 0; row < rows; ++row) {
+      const FreeCell& cell = space.at(first + static_cast<double>(row) * step * line.normal);
+      hits += cell.hits;
+      rays += cell.low;
+    }
+  }
+  return hits / rays;
+}
+
 // A pane gives back what meets it squarely, at most places along it and at one depth within the thickness of its wall. In the open there are stray
 // hits (people who passed, an uneven floor): as many for the rays as before the wall.
 void close_panes(const WallLine& line, const FreeSpace& space, Profile& profile) {
   const std::vector<Bin> seen = profile.bins;
-  const auto reach = static_cast<std::ptrdiff_t>(pane / step);
-  const auto size = static_cast<std::ptrdiff_t>(seen.size());
-  // What lies at each open place: within the wall's thickness, in rows, and before the wall.
-  constexpr int rows = 5;
-  struct Place {
-    std::ptrdiff_t bin;
-    std::array<FreeCell, rows> within;
-    double hits = 0, rays = 0;
-  };
-  std::vector<Place> open;
-  for (std::ptrdiff_t i = 0; i < size; ++i) {
-    if (seen[static_cast<std::size_t>(i)] != Bin::open) continue;
-    const Eigen::Vector2d p = line.at(profile.position(static_cast<std::size_t>(i)));
-    Place& place = open.emplace_back();
-    place.bin = i;
-    for (int row = 0; row < rows; ++row) {
-      place.within[static_cast<std::size_t>(row)] = space.at(p - row * step * line.normal);
-      const FreeCell& before = space.at(p + (row + rows - 1) * step * line.normal);
-      place.hits += before.hits;
-      place.rays += before.low;
-    }
+  std::vector<std::array<double, rows>> shares(seen.size());
+  for (std::size_t i = 0; i < seen.size(); ++i) {
+    if (seen[i] == Bin::open) shares[i] = shares_within(space, line, line.at(profile.position(i)));
   }
-  auto first = open.begin();
-  auto end = open.begin();
-  for (const Place& place : open) {
-    while (first->bin < place.bin - reach) ++first;
-    while (end != open.end() && end->bin <= place.bin + reach) ++end;
-    double hits = 0;
-    double rays = 1;
-    for (auto beside = first; beside != end; ++beside) {
-      hits += beside->hits;
-      rays += beside->rays;
+  const auto reach = static_cast<std::size_t>(pane / step);
+  std::vector<double> open;
+  for (std::size_t i = 0; i < seen.size(); ++i) {
+    if (seen[i] != Bin::open) continue;
+    const std::size_t first = i > reach ? i - reach : 0;
+    const std::size_t end = std::min(seen.size(), i + reach + 1);
+    open.clear();
+    for (std::size_t k = first; k < end; ++k) {
+      if (seen[k] == Bin::open) open.push_back(profile.position(k));
     }
-    const double stray = hits / rays;
-    int most = 0;
-    for (std::size_t row = 0; row < rows; ++row) {
-      const auto shows = [&](const Place& beside) {
-        const FreeCell& cell = beside.within[row];
-        return cell.hits >= least_hits && cell.hits > more_than_stray * stray * cell.low;
-      };
-      most = std::max(most, static_cast<int>(std::count_if(first, end, shows)));
-    }
-    if (most * 2 > static_cast<int>(end - first) && most * step > 2 * loose) profile.bins[static_cast<std::size_t>(place.bin)] = Bin::solid;
+    const auto is_pane = [&](double least) {
+      for (std::size_t row = 0; row < rows; ++row) {
+        std::size_t showing = 0;
+        for (std::size_t k = first; k < end; ++k) showing += shares[k][row] > least ? 1 : 0;
+        if (showing * 2 > open.size() && static_cast<double>(showing) * step > 2 * loose) return true;
+      }
+      return false;
+    };
+    if (is_pane(0) && is_pane(more_than_stray * stray_before(space, line, open))) profile.bins[i] = Bin::solid;
   }
 }
 
