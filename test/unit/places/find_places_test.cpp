@@ -342,6 +342,22 @@ TEST(FindPlaces, APaneWithinTheThicknessOfAWallIsNoDoor) {
   EXPECT_NEAR(found.doors[0].position.y(), 4.45, 0.1);
 }
 
+TEST(FindPlaces, AFewHitsInAnOpenDoorAreNoPane) {
+  ScannedPlan scanned;
+  scanned.face({{0, 0}, {12, 0}, {12, 2}, {0, 2}}, {{}, {}, {{5, 6}}});
+  scanned.face({{0, 2.15}, {12, 2.15}, {12, 6}, {0, 6}}, {{{6, 7}}});
+  scanned.closed_until = 2;  // shut at first: two keyframes saw its leaf
+  scanned.door = scanned.plan.walls.size();
+  scanned.plan.add({7, 2}, {6, 2});
+  const std::vector<Wall> walls(scanned.plan.walls.begin(), scanned.plan.walls.end() - 1);
+  std::vector<Eigen::Vector2d> rounds{{6.5, 1}, {6.4, 1}};
+  for (int i = 0; i < 8; ++i) rounds.emplace_back(i % 2 == 0 ? 1 : 11, 1);
+  scanned.walk(rounds);
+  const FoundPlaces found = find_places(scanned.space, walls, scanned.path, 0, PlaceParams{});
+  EXPECT_EQ(found.places.size(), 1U);
+  EXPECT_EQ(found.doors.size(), 1U);
+}
+
 TEST(FindPlaces, WhatTheRobotHasNotEnteredIsNoPlace) {
   ScannedPlan scanned;
   scanned.face({{0, 0}, {10, 0}, {10, 4}, {0, 4}});

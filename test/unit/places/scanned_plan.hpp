@@ -19,9 +19,11 @@ struct ScannedPlan {
   std::map<KeyframeId, Pose> poses;
   FreeSpace space{FreeSpaceParams{}};
   std::vector<std::pair<KeyframeId, Cloud>> clouds;
-  std::map<std::size_t, double> heights;  ///< of walls that rays can pass over, by their place in the plan [m]
-  std::set<std::size_t> panes;            ///< walls of glass: they give back what meets them squarely
-  int stray = 0;                          ///< every so many rays end on something that is not there any more; 0: none
+  std::map<std::size_t, double> heights;            ///< of walls that rays can pass over, by their place in the plan [m]
+  std::set<std::size_t> panes;                      ///< walls of glass: they give back what meets them squarely
+  std::size_t door = static_cast<std::size_t>(-1);  ///< a leaf that opens: it is seen by the first `closed_until` keyframes only
+  std::size_t closed_until = 0;
+  int stray = 0;  ///< every so many rays end on something that is not there any more; 0: none
 
   /// Both faces of a wall of 0.15 m about the line from a to b.
   void wall(const Eigen::Vector2d& a, const Eigen::Vector2d& b, const std::vector<Interval>& holes = {}) {
@@ -103,6 +105,7 @@ struct ScannedPlan {
       if (std::abs(across) < 1e-9) continue;
       const double range = -wall.distance(p) / across;
       if (range <= 0 || range >= nearest) continue;
+      if (i == door && poses.size() > closed_until) continue;
       if (panes.count(i) > 0 && std::abs(across) < 0.97) continue;
       if (height != heights.end() && 0.7 + slope * range > height->second) continue;
       const double along = wall.direction().dot(p + range * u);
