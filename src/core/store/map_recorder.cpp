@@ -1,5 +1,7 @@
 #include "sgraph_slam/core/store/map_recorder.hpp"
 
+#include <algorithm>
+
 #include <nlohmann/json.hpp>
 
 #include "sgraph_slam/core/graph/serialization.hpp"
@@ -12,12 +14,12 @@ constexpr std::int64_t scene_interval = 5;  // keyframes between two writings of
 
 bool same(const Pose& a, const Pose& b) { return a.translation == b.translation && a.rotation.coeffs() == b.rotation.coeffs(); }
 
-bool same(const StoredPlane& a, const StoredPlane& b) {
-  return a.plane.normal == b.plane.normal && a.plane.d == b.plane.d && a.plane_class == b.plane_class && a.covariance == b.covariance &&
-         a.view_covariance == b.view_covariance && a.extent == b.extent;
-}
-
 bool same(const Plane& a, const Plane& b) { return a.normal == b.normal && a.d == b.d; }
+
+bool same(const StoredPlane& stored, const Plane& plane, const PlaneRecord& record, const Eigen::Matrix3d& covariance) {
+  return same(stored.plane, plane) && stored.plane_class == record.plane_class && stored.covariance == covariance &&
+         stored.view_covariance == record.last_covariance && stored.extent == record.outline;
+}
 
 bool same(const MergeRecord& a, const MergeRecord& b) {
   return a.kept == b.kept && same(a.plane, b.plane) && a.repointed == b.repointed && a.dropped.size() == b.dropped.size();
@@ -92,23 +94,25 @@ void MapRecorder::note_poses(const MapView& view, StoreBatch& batch) {
 }
 
 void MapRecorder::note_planes(const MapView& view, StoreBatch& batch) {
+  const bool edited = view.graph.factors_edited() != factors_edited_;  // else views have only been added, after those known
   for (const auto& [id, record] : view.planes.records()) {
     const Plane* plane = view.graph.find(id);
     if (plane == nullptr) continue;
     const auto scene = view.snapshot.planes.find(id);
     const Eigen::Matrix3d covariance = scene != view.snapshot.planes.end() ? scene->second.covariance : record.last_covariance;
-    StoredPlane now{id, *plane, record.plane_class, covariance, record.last_covariance, record.outline};
-    const auto [known, is_new] = planes_.try_emplace(id, now);
-    if (is_new || !same(known->second, now)) {
-      known->second = now;
-      batch.planes.push_back(std::move(now));
+    const auto [known, is_new] = planes_.try_emplace(id);
+    if (is_new || !same(known->second, *plane, record, covariance)) {
+      known->second = {id, *plane, record.plane_class, covariance, record.last_covariance, record.outline};
+      batch.planes.push_back(known->second);
     }
     std::size_t& written = views_[id];
-    if (written == record.observations.size()) continue;
-    for (const PlaneObservation& seen : record.observations) {
+    const std::size_t size = record.observations.size();
+    if (written == size) continue;
+    for (std::size_t i = edited ? 0 : std::min(written, size); i < size; ++i) {
+      const PlaneObservation& seen = record.observations[i];
       if (viewed_.insert(seen.factor).second) batch.views.push_back({seen.factor, seen.keyframe, seen.outline_base});
     }
-    written = record.observations.size();
+    written = size;
   }
   batch.removed_planes = gone(planes_, view.graph.planes());
   for (const PlaneId id : batch.removed_planes) views_.erase(id);
