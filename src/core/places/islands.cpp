@@ -12,6 +12,7 @@ namespace {
 
 constexpr double step = 0.05;                            // along a line [m]
 constexpr std::array<double, 2> within_wall{0.05, 0.1};  // behind a face: no wall is thinner [m]
+constexpr std::array<double, 2> beyond_niche{0.3, 0.4};  // over a niche with a window rays end sooner [m]
 constexpr std::uint16_t least_views = 2;                 // keyframes that saw past it: one may be mistaken
 constexpr double most = 0.5;                             // share of a face
 constexpr double same_direction = 0.12;                  // [rad]
@@ -28,7 +29,8 @@ void visit_behind(const WallLine& line, Visit visit) {
 }
 
 bool passed_over(const FreeSpace& space, const WallLine& line, const Eigen::Vector2d& p) {
-  return std::all_of(within_wall.begin(), within_wall.end(), [&](double depth) { return space.at(p - depth * line.normal).over >= least_views; });
+  const auto passed = [&](double depth) { return space.at(p - depth * line.normal).over >= least_views; };
+  return std::all_of(within_wall.begin(), within_wall.end(), passed) && std::any_of(beyond_niche.begin(), beyond_niche.end(), passed);
 }
 
 bool reaches_ceiling(const FreeSpace& space, const WallLine& line) {

@@ -120,17 +120,19 @@ double free_way(const FreeSpace& space, const std::vector<WallLine>& lines, cons
   return std::min(way, end);
 }
 
-// Width of the free space beside the middle of a gap, parallel to the line, on the side that `inwards` looks to; as far as no other face hides it.
-// More than `enough` isn't looked for.
-double width_beside(const FreeSpace& space, const std::vector<WallLine>& lines, const WallLine& line, const Interval& gap,
-                    const Eigen::Vector2d& inwards, double enough, const PlaceParams& params) {
-  double widest = 0;
+// Where the free space beside the middle of a gap runs along the line, on the side that `inwards` looks to; as far as no other face hides it. More
+// than `enough` isn't looked for.
+Interval floor_beside(const FreeSpace& space, const std::vector<WallLine>& lines, const WallLine& line, const Interval& gap,
+                      const Eigen::Vector2d& inwards, double enough, const PlaceParams& params) {
+  Interval widest{gap.center(), gap.center()};
   const Eigen::Vector2d middle = line.at(gap.center());
   const double end = way_to_face(lines, middle, inwards);
   for (const double depth : {0.35, 0.5, 0.7, 0.9, 1.1}) {
     const Eigen::Vector2d p = middle + depth * inwards;
-    if (depth >= end || widest >= enough || !space.at(p).free()) continue;
-    widest = std::max(widest, free_way(space, lines, p, line.direction(), params) + free_way(space, lines, p, -line.direction(), params));
+    if (depth >= end || widest.length() >= enough || !space.at(p).free()) continue;
+    const Interval floor{gap.center() - free_way(space, lines, p, -line.direction(), params),
+                         gap.center() + free_way(space, lines, p, line.direction(), params)};
+    if (floor.length() > widest.length()) widest = floor;
   }
   return widest;
 }
@@ -283,18 +285,27 @@ void find_gaps(WallLine& line, const Profile& profile, const PlaceParams& params
   line.solid = unite(std::move(solid));
 }
 
-// Which gaps of a line part two places.
+// Which gaps of a line part two places: doors, and openings that leave at least half of the floor's width walled off. Of a row of columns with wide
+// gaps between them all count.
 void find_cuts(WallLine& line, const std::vector<WallLine>& lines, const FreeSpace& space, const PlaceParams& params) {
+  Intervals wide;
+  for (const Gap& gap : line.gaps) {
+    if (gap.along.length() > params.max_door) wide.push_back(gap.along);
+  }
   for (Gap& gap : line.gaps) {
     if (!gap.low_jamb || !gap.high_jamb || total_length(line.support) < params.furniture_depth) continue;
     const double width = gap.along.length();
-    const double enough = std::max(width + cross_section_margin, width / std::min(most_of_section, params.join_share));
-    gap.front = width_beside(space, lines, line, gap.along, line.normal, enough, params);
-    gap.back = width_beside(space, lines, line, gap.along, -line.normal, enough, params);
-    const double narrower = std::min(gap.front, gap.back);
+    const bool is_wide = width > params.max_door;
+    const double enough = is_wide ? furthest : std::max(width + cross_section_margin, width / most_of_section);
+    const Interval front = floor_beside(space, lines, line, gap.along, line.normal, enough, params);
+    const Interval back = floor_beside(space, lines, line, gap.along, -line.normal, enough, params);
+    gap.front = front.length();
+    gap.back = back.length();
+    const Interval& floor = gap.front < gap.back ? front : back;
+    const double narrower = floor.length();
     // What takes up most of a corridor's width is a door when wall ends it on both sides: a cupboard at one side of a corridor leaves a gap too.
     if (width > most_of_section * narrower && !(is_at_wall(line, gap.along.low) && is_at_wall(line, gap.along.high))) continue;
-    gap.cut = width <= params.max_door ? narrower >= width + cross_section_margin : width <= params.join_share * narrower;
+    gap.cut = is_wide ? total_length(clip(wide, floor)) <= params.join_share * narrower : narrower >= width + cross_section_margin;
   }
 }
 

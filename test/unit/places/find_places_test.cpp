@@ -309,6 +309,41 @@ TEST(FindPlaces, FacesThatSwingALittleAreOneWall) {
   EXPECT_EQ(lines.size(), 4U);
 }
 
+TEST(FindPlaces, ARowOfColumnsUnderABeamPartsNothing) {
+  ScannedPlan scanned;
+  scanned.face({{0, 0}, {24, 0}, {24, 14}, {0, 14}});
+  for (const double y : {3.5, 7.0, 10.5}) scanned.box({11.8, y - 0.2}, {12.2, y + 0.2}, 100);
+  for (const bool left : {true, false}) {  // the beam's sides, in line with the columns' faces
+    scanned.undersides[scanned.plan.walls.size()] = 1.9;
+    scanned.plan.add({left ? 11.8 : 12.2, left ? 14.0 : 0.0}, {left ? 11.8 : 12.2, left ? 0.0 : 14.0});
+  }
+  scanned.walk({{3, 3}, {3, 11}, {9, 9}, {15, 9}, {20, 11}, {20, 3}, {15, 5}, {9, 5}});
+  int wide = 0;
+  for (const WallLine& line : find_wall_lines(scanned.plan.walls, scanned.space, scanned.path, PlaceParams{})) {
+    for (const Gap& gap : line.gaps) {
+      if (gap.along.length() < 2.5 || !gap.low_jamb || !gap.high_jamb) continue;
+      ++wide;
+      EXPECT_FALSE(gap.cut);
+    }
+  }
+  EXPECT_GE(wide, 2);
+  EXPECT_EQ(found_in(scanned).places.size(), 1U);
+}
+
+TEST(FindPlaces, AWallUnderAWindowIsNoFurniture) {
+  ScannedPlan scanned;
+  scanned.plan.add({10, 0}, {10, 10});
+  scanned.plan.add({10, 10}, {0, 10});
+  scanned.plan.add({0, 10}, {0, 0});
+  scanned.heights[scanned.plan.walls.size()] = 0.9;
+  scanned.plan.add({0, 0}, {10, 0});          // the wall to the sill,
+  scanned.plan.add({0, -0.15}, {10, -0.15});  // and the pane behind it
+  scanned.walk({{2, 2}, {8, 2}, {8, 9}, {2, 9}, {2, 2}});
+  const FoundPlaces found = found_in(scanned);
+  ASSERT_EQ(found.places.size(), 1U);
+  EXPECT_NEAR(found.places[0].area.area(), 100, 1e-6);
+}
+
 TEST(FindPlaces, StrayHitsInACorridorMakeNoWall) {
   ScannedPlan scanned;
   scanned.stray = 7;

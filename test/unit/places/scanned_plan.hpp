@@ -20,6 +20,7 @@ struct ScannedPlan {
   FreeSpace space{FreeSpaceParams{}};
   std::vector<std::pair<KeyframeId, Cloud>> clouds;
   std::map<std::size_t, double> heights;            ///< of walls that rays can pass over, by their place in the plan [m]
+  std::map<std::size_t, double> undersides;         ///< of beams: rays pass below [m]
   std::set<std::size_t> panes;                      ///< walls of glass: they give back what meets them squarely
   std::size_t door = static_cast<std::size_t>(-1);  ///< a leaf that opens: it is seen by the first `closed_until` keyframes only
   std::size_t closed_until = 0;
@@ -108,6 +109,8 @@ struct ScannedPlan {
       if (i == door && poses.size() > closed_until) continue;
       if (panes.count(i) > 0 && std::abs(across) < 0.97) continue;
       if (height != heights.end() && 0.7 + slope * range > height->second) continue;
+      const auto underside = undersides.find(i);
+      if (underside != undersides.end() && 0.7 + slope * range < underside->second) continue;
       const double along = wall.direction().dot(p + range * u);
       for (const Interval& part : wall.support) {
         if (along >= part.low && along <= part.high) nearest = range;
