@@ -16,7 +16,7 @@ constexpr std::array<double, 2> beyond_niche{0.3, 0.4};  // over a niche with a 
 constexpr std::uint16_t least_views = 2;                 // keyframes that saw past it: one may be mistaken
 constexpr double most = 0.5;                             // share of a face
 constexpr double same_direction = 0.12;                  // [rad]
-constexpr double deepest = 2.5;                          // what stands at a wall [m]
+constexpr double deepest = 5.0;                          // what stands at a wall: a parked car [m]
 constexpr double before_face = 0.25;                     // the floor begins this near to a face [m]
 constexpr double corner = 0.2;                           // a wall may end a little before its corner [m]
 

@@ -330,6 +330,17 @@ TEST(FindPlaces, ARowOfColumnsUnderABeamPartsNothing) {
   EXPECT_EQ(found_in(scanned).places.size(), 1U);
 }
 
+TEST(FindPlaces, AGapInALowRowBeforeABayIsNoDoor) {
+  ScannedPlan scanned;
+  scanned.face({{0, 0}, {8, 0}, {8, 13}, {0, 13}});
+  scanned.box({0, 4.0}, {3.5, 4.2}, 1.45);  // as low as parked cars, whose bay the robot doesn't enter
+  scanned.box({4.4, 4.0}, {8, 4.2}, 1.45);
+  scanned.walk({{2, 7}, {6, 7}, {6, 12}, {2, 12}});
+  const FoundPlaces found = found_in(scanned);
+  EXPECT_EQ(found.places.size(), 1U);
+  EXPECT_TRUE(found.doors.empty());
+}
+
 TEST(FindPlaces, AWallUnderAWindowIsNoFurniture) {
   ScannedPlan scanned;
   scanned.plan.add({10, 0}, {10, 10});
