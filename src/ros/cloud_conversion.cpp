@@ -1,3 +1,5 @@
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstring>
 #include <optional>
@@ -54,10 +56,15 @@ std::string field_names(const PointCloud2& message) {
   return names.empty() ? "none" : names;
 }
 
-// Fields that this package reads and that share bytes: what the one holds can't be what the other says.
+// Of the fields, those that this package reads.
+constexpr std::array read_fields{"x", "y", "z", "intensity", "ring", "time", "t", "timestamp"};
+
+bool is_read(const PointField& field) { return std::find(read_fields.begin(), read_fields.end(), field.name) != read_fields.end(); }
+
+// Fields that are read and that share bytes: what the one holds can't be what the other says.
 std::optional<std::string> overlap(const PointCloud2& message) {
   std::vector<const PointField*> fields;
-  for (const char* name : {"x", "y", "z", "intensity", "ring", "time", "t", "timestamp"}) {
+  for (const char* name : read_fields) {
     if (const PointField* field = find(message, name)) fields.push_back(field);
   }
   for (const PointField* a : fields) {
@@ -171,7 +178,7 @@ Refusal check(const PointCloud2& message, Strictness strictness) {
   }
   if (message.is_bigendian != 0) return {MessageFault::big_endian, "the cloud is big-endian"};
   for (const PointField& field : message.fields) {
-    if (field.count > 0 && size_of(field.datatype) == 0) {
+    if (size_of(field.datatype) == 0 && (field.count > 0 || is_read(field))) {
       return {MessageFault::field_type, "field " + field.name + " has the unknown type " + std::to_string(field.datatype)};
     }
   }
