@@ -239,13 +239,14 @@ class WallsAround {
 
  private:
   static constexpr int sectors = 256;
+  static constexpr double of_quarter = sectors / 4.0;
 
   // Grows with the angle from -pi; not evenly, but without an arcus tangent.
   static int sector_of(const Eigen::Vector2d& v) {
     const double sum = std::abs(v.x()) + std::abs(v.y());
     const double part = sum > 0 ? v.x() / sum : 1;  // 1 ahead, -1 behind
     const double around = v.y() < 0 ? part + 1 : 3 - part;
-    return std::min(static_cast<int>(around * (sectors / 4)), sectors - 1);
+    return std::min(static_cast<int>(around * of_quarter), sectors - 1);
   }
 
   Eigen::Vector2d center_;
