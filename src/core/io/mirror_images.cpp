@@ -11,6 +11,7 @@
 
 #include "ray_origins.hpp"
 #include "sgraph_slam/core/io/map_cloud.hpp"
+#include "voxel_key.hpp"
 
 namespace sgraph {
 namespace {
@@ -33,12 +34,7 @@ constexpr std::size_t most_samples = 2000;  // of the points seen through a hole
 constexpr double farthest = 5e4;            // of a point that a voxel's number can tell [m]
 constexpr int most_cells = 4'000'000;       // of one wall's raster
 
-std::uint64_t key(const Eigen::Array3d& voxels) {
-  const auto part = [](double v) { return static_cast<std::uint64_t>(static_cast<std::int64_t>(std::floor(v)) + (1 << 20)) & 0x1fffffU; };
-  return part(voxels.x()) << 42 | part(voxels.y()) << 21 | part(voxels.z());
-}
-
-std::uint64_t key_of(const Eigen::Vector3d& p) { return key(p.array() / voxel); }
+std::uint64_t key_of(const Eigen::Vector3d& p) { return voxel_key(p.array() / voxel); }
 
 // Voxels in which something was seen.
 class Seen {
@@ -56,7 +52,7 @@ class Seen {
   [[nodiscard]] bool near(const Eigen::Vector3d& p) const {
     const Eigen::Array3d at = p.array() / voxel - 0.5;
     for (int k = 0; k < 8; ++k) {
-      if (std::binary_search(keys_.begin(), keys_.end(), key(at + Eigen::Array3d(k & 1, k >> 1 & 1, k >> 2)))) return true;
+      if (std::binary_search(keys_.begin(), keys_.end(), voxel_key(at + Eigen::Array3d(k & 1, k >> 1 & 1, k >> 2)))) return true;
     }
     return false;
   }

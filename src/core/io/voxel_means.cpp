@@ -2,23 +2,16 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
+
+#include "voxel_key.hpp"
 
 namespace sgraph {
 namespace {
 
 // A voxel with a smaller share of the points that a neighbour holds is the outer rim of that neighbour's noise, not a surface of its own.
 constexpr double least_share = 0.1;
-constexpr int bits = 21;  // of a key, an axis
 
 }  // namespace
-
-std::uint64_t VoxelMeans::key_of(const Eigen::Vector3d& p) const {
-  const auto axis = [this](double value) {
-    return static_cast<std::uint64_t>(static_cast<std::int64_t>(std::floor(value / leaf_)) + (1 << (bits - 1))) & ((1U << bits) - 1);
-  };
-  return axis(p.x()) << (2 * bits) | axis(p.y()) << bits | axis(p.z());
-}
 
 void VoxelMeans::ask_for_voxel(std::uint64_t key) const {
   const std::uint32_t at = index_.find(key);
@@ -26,7 +19,7 @@ void VoxelMeans::ask_for_voxel(std::uint64_t key) const {
 }
 
 void VoxelMeans::add(const Eigen::Vector3d& p, const Point& point, int sign) {
-  waiting_.push_back({key_of(p), p, point.intensity, point.ring, sign});
+  waiting_.push_back({voxel_key(p.array() / leaf_), p, point.intensity, point.ring, sign});
   index_.ask_for(waiting_.back().key);
   if (waiting_.size() == batch) put_in();
 }
@@ -51,8 +44,8 @@ void VoxelMeans::put_in() {
 std::vector<Point> VoxelMeans::points() {
   put_in();
   // Of the six that share a side: whatever way a surface lies, the noise across it enters through one of them.
-  constexpr std::uint64_t x = std::uint64_t{1} << (2 * bits);
-  constexpr std::uint64_t y = std::uint64_t{1} << bits;
+  constexpr std::uint64_t x = std::uint64_t{1} << (2 * voxel_key_bits);
+  constexpr std::uint64_t y = std::uint64_t{1} << voxel_key_bits;
   constexpr std::array<std::uint64_t, 6> ways{x, 0 - x, y, 0 - y, 1, 0 - std::uint64_t{1}};
   std::vector<Point> result;
   result.reserve(voxels_.size());

@@ -44,7 +44,6 @@ class VoxelMeans {
     int sign = 1;
   };
 
-  [[nodiscard]] std::uint64_t key_of(const Eigen::Vector3d& p) const;
   void ask_for_voxel(std::uint64_t key) const;
   void put_in();
 
