@@ -299,9 +299,7 @@ void find_cuts(WallLine& line, const std::vector<WallLine>& lines, const FreeSpa
     const double enough = is_wide ? furthest : std::max(width + cross_section_margin, width / most_of_section);
     const Interval front = floor_beside(space, lines, line, gap.along, line.normal, enough, params);
     const Interval back = floor_beside(space, lines, line, gap.along, -line.normal, enough, params);
-    gap.front = front.length();
-    gap.back = back.length();
-    const Interval& floor = gap.front < gap.back ? front : back;
+    const Interval& floor = front.length() < back.length() ? front : back;
     const double narrower = floor.length();
     // What takes up most of a corridor's width is a door when wall ends it on both sides: a cupboard at one side of a corridor leaves a gap too.
     if (width > most_of_section * narrower && !(is_at_wall(line, gap.along.low) && is_at_wall(line, gap.along.high))) continue;

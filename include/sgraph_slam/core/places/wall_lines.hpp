@@ -12,8 +12,6 @@ struct Gap {
   Interval along;         ///< along the line's direction [m]
   bool low_jamb = false;  ///< something ends it at its low end: wall, or another wall that crosses
   bool high_jamb = false;
-  double front = 0;  ///< width of the free space before the line at the gap, parallel to it [m]
-  double back = 0;   ///< behind it
   bool cut = false;  ///< places end here
 };
 
