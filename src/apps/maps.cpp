@@ -13,6 +13,7 @@
 #include "sgraph_slam/core/params/params_io.hpp"
 #include "sgraph_slam/core/pipeline/pipeline.hpp"
 #include "sgraph_slam/core/store/stored_map.hpp"
+#include "sgraph_slam/core/util/resources.hpp"
 
 namespace sgraph {
 namespace {
@@ -249,4 +250,7 @@ int main_of_maps(int argc, char** argv) {
 }  // namespace
 }  // namespace sgraph
 
-int main(int argc, char** argv) { return sgraph::main_of_maps(argc, argv); }
+int main(int argc, char** argv) {
+  sgraph::return_freed_memory();
+  return sgraph::main_of_maps(argc, argv);
+}

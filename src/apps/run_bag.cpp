@@ -281,4 +281,7 @@ int main_of_run_bag(int argc, char** argv) {
 }  // namespace
 }  // namespace sgraph
 
-int main(int argc, char** argv) { return sgraph::main_of_run_bag(argc, argv); }
+int main(int argc, char** argv) {
+  sgraph::return_freed_memory();
+  return sgraph::main_of_run_bag(argc, argv);
+}

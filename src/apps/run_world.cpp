@@ -175,6 +175,7 @@ void run(Options& options) {
 }  // namespace sgraph
 
 int main(int argc, char** argv) {
+  sgraph::return_freed_memory();
   sgraph::Options options;
   CLI::App app("Maps a simulated world without writing a bag: the run folder of run_bag, and the world's truth");
   sgraph::declare_options(app, options);

@@ -1,5 +1,4 @@
 // The four nodelets in one process of their own: clouds pass between them as pointers, and the process ends cleanly at any moment.
-#include <malloc.h>
 #include <nodelet/loader.h>
 #include <nodelet/nodelet.h>
 #include <pthread.h>
@@ -13,6 +12,7 @@
 #include <memory>
 #include <thread>
 
+#include "sgraph_slam/core/util/resources.hpp"
 #include "sgraph_slam/ros/shared_pointer.hpp"
 
 namespace {
@@ -61,9 +61,7 @@ std::string library_path() { return (std::filesystem::canonical("/proc/self/exe"
 }  // namespace
 
 int main(int argc, char** argv) {
-  // glibc gives threads arenas of their own, up to eight a core, and each keeps what its threads have freed: 8 MiB more with each recording, while
-  // what is in use stays the same. Two of them cost no measurable time.
-  mallopt(M_ARENA_MAX, 2);
+  sgraph::return_freed_memory();
   static Ending ending;  // static: its thread outlives main
   ros::init(argc, argv, "sgraph_slam", ros::init_options::NoSigintHandler);
 
