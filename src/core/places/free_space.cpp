@@ -15,6 +15,8 @@ namespace sgraph {
 namespace {
 
 constexpr double end_unit = 0.005;  // of a ray's end [m]: a quarter of the range noise
+constexpr double spot = 0.5;        // keyframes no further apart than this see the same [m]:
+constexpr std::size_t at_spot = 8;  // enough of them to outvote a person who stood in the way in a few
 constexpr double growth = 10;       // the raster grows by whole steps of this [m]
 constexpr std::uint8_t low_bit = 1;
 constexpr std::uint8_t mid_bit = 2;
@@ -186,10 +188,12 @@ void FreeSpace::update(const std::map<KeyframeId, Pose>& T_map_base, double floo
   floor_z_ = floor_z;
   const double moved = 0.5 * params_.resolution;
   const double turned = moved / 5;  // half a cell at five metres
+  std::vector<KeyframeId> fresh;
   for (const auto& [id, rays] : rays_) {
     const auto pose = T_map_base.find(id);
     const auto known = marks_.find(id);
-    if (known != marks_.end()) {
+    const bool known_before = known != marks_.end();
+    if (known_before) {
       const Mark& mark = known->second;
       const bool same = pose != T_map_base.end() && (pose->second.translation - mark.T_map_base.translation).norm() <= moved &&
                         pose->second.rotation.angularDistance(mark.T_map_base.rotation) <= turned && std::abs(floor_z - mark.floor_z) <= moved;
@@ -201,6 +205,24 @@ void FreeSpace::update(const std::map<KeyframeId, Pose>& T_map_base, double floo
     const Mark mark{pose->second, floor_z};
     this->mark(*rays, mark, 1);
     marks_[id] = mark;
+    if (!known_before) fresh.push_back(id);
+  }
+  for (const KeyframeId id : fresh) thin_spot(id);
+}
+
+// Lets the oldest keyframes around one go, so that what was seen last stays.
+void FreeSpace::thin_spot(KeyframeId newest) {
+  const auto at = marks_.find(newest);
+  if (at == marks_.end()) return;
+  const Eigen::Vector3d here = at->second.T_map_base.translation;
+  std::vector<KeyframeId> around;
+  for (const auto& [id, mark] : marks_) {
+    if ((mark.T_map_base.translation - here).squaredNorm() <= spot * spot) around.push_back(id);
+  }
+  for (std::size_t i = 0; i + at_spot < around.size(); ++i) {
+    mark(*rays_.at(around[i]), marks_.at(around[i]), -1);
+    marks_.erase(around[i]);
+    rays_.erase(around[i]);
   }
 }
 

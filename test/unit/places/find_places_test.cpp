@@ -449,5 +449,21 @@ TEST(FreeSpace, MarksOfAKeyframeMoveWithIt) {
   }
 }
 
+// Whoever walks to and fro for hours keeps what was seen last, not all of it.
+TEST(FreeSpace, GrowsWithTheAreaAndNotWithTheTime) {
+  ScannedPlan scanned;
+  scanned.face({{0, 0}, {6, 0}, {6, 4}, {0, 4}});
+  const auto visits = [&scanned](int times) {
+    for (int i = 0; i < times; ++i) scanned.walk({{1, 1}, {5, 3}, {1, 1}});
+    return scanned.space.at({3, 1.5}).low;
+  };
+  const int few = visits(3);
+  const int enough = visits(9);
+  EXPECT_GT(enough, few);
+  EXPECT_LE(visits(12), enough + 2);
+  EXPECT_TRUE(scanned.space.at({3, 1.5}).free());
+  EXPECT_GT(scanned.space.at({6.01, 2}).hits, 0);
+}
+
 }  // namespace
 }  // namespace sgraph

@@ -32,11 +32,12 @@ class FreeSpace {
  public:
   explicit FreeSpace(const FreeSpaceParams& params) : params_(params) {}
 
-  /// Keeps rays of a keyframe's cloud (LiDAR frame, seen from its viewpoints). A keyframe is taken once.
+  /// Keeps rays of a keyframe's cloud (LiDAR frame, seen from its viewpoints). A keyframe is taken once, unless it has been let go.
   void add(KeyframeId id, const Cloud& cloud, const Pose& T_base_lidar);
 
   /// Marks the rays of keyframes not marked yet, and again those of keyframes that have moved by more than half a cell since. `T_map_base`: poses;
-  /// keyframes without one are unmarked. `floor_z`: height of the floor in the map [m].
+  /// keyframes without one are unmarked. Of more than eight keyframes at one spot the oldest is let go, so that what
+  /// is kept grows with the area and not with the time. `floor_z`: height of the floor in the map [m].
   void update(const std::map<KeyframeId, Pose>& T_map_base, double floor_z);
 
   [[nodiscard]] double resolution() const { return params_.resolution; }
@@ -67,6 +68,7 @@ class FreeSpace {
     double floor_z = 0;
   };
 
+  void thin_spot(KeyframeId newest);
   void mark(const Rays& rays, const Mark& at, int sign);
   void trace(const Eigen::Vector3d& from, const Eigen::Vector3d& to, double floor_z);
   void make_room(const Eigen::Vector2d& low, const Eigen::Vector2d& high);
