@@ -124,6 +124,20 @@ TEST(SurfaceMap, NothingMatchesBeyondTheGateOrFromBehind) {
   EXPECT_EQ(map.match({0.1, 1.5, 0.5}, {2, 2, 1}, 0.25), nullptr);
 }
 
+// A corner of a hall that is looked at for hours.
+TEST(SurfaceMap, CountsAsManyPointsAsItMayBeAskedTo) {
+  SurfaceMapParams params;
+  params.max_points = 100000;
+  SurfaceMap map(params);
+  std::mt19937 random(11);
+  std::uniform_real_distribution<double> unit(0, 1);
+  std::normal_distribution<double> noise(0, 0.005);
+  for (int i = 0; i < 66000; ++i) map.insert({0.1 + noise(random), 0.05 + 0.15 * unit(random), 0.05 + 0.15 * unit(random)}, {-2, 0.1, 0.1});
+  map.update();
+  EXPECT_NE(map.match({0.12, 0.1, 0.1}, {-2, 0.1, 0.1}, 0.05), nullptr);
+  EXPECT_EQ(map.match({0.2, 0.1, 0.1}, {-2, 0.1, 0.1}, 0.05), nullptr);
+}
+
 TEST(SurfaceMap, MemoryIsBoundByTheAreaAndNotByTheScans) {
   SurfaceMap map({});
   insert_wall(map, 0.1, {-2, 2, 1}, 0.01, 9, 20000);
