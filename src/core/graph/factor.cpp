@@ -105,8 +105,8 @@ struct Numbers {
   void choice(const char*, Value value, std::initializer_list<Value>) {
     add(static_cast<double>(value));
   }
-  template <class Value>
-  void type(Value value, const char*, Value, const char*, Value) {
+  template <class Value, class Names>
+  void type(Value value, const Names&) {
     add(static_cast<double>(value));
   }
   void field(const char*, double value) { add(value); }
@@ -154,7 +154,7 @@ const char* to_string(CorridorSide value) { return value == CorridorSide::right 
 BlockIds blocks(const FactorData& data) { return shown(data, Variables{}).ids; }
 
 const char* type_name(const FactorData& data) {
-  if (const auto* between = std::get_if<Se3Between>(&data); between != nullptr && between->source == Se3Between::Source::loop) return "loop";
+  if (const auto* between = std::get_if<Se3Between>(&data)) return Se3Between::source_types[static_cast<std::size_t>(between->source)];
   return std::visit([](const auto& f) { return std::decay_t<decltype(f)>::type; }, data);
 }
 

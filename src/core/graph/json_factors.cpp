@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <stdexcept>
 
 #include "json_values.hpp"
@@ -87,9 +88,10 @@ struct Reader {
     }
     throw std::runtime_error("unknown " + std::string(key) + " '" + name + "'");
   }
-  template <class Value>
-  void type(Value& value, const char*, Value first, const char* second_name, Value second) {
-    value = json.at("type") == second_name ? second : first;
+  template <class Value, class Names>
+  void type(Value& value, const Names& names) {
+    const auto found = std::find(names.begin(), names.end(), json.at("type").template get_ref<const std::string&>());
+    value = static_cast<Value>(found - names.begin());
   }
   void field(const char* key, double& value) { value = json.at(key).get<double>(); }
   void field(const char* key, KeyframeId& id) { block(key, id); }
@@ -105,11 +107,20 @@ struct Reader {
   }
 };
 
+template <class Type>
+bool is_type_of(const std::string& name) {
+  if constexpr (std::is_same_v<Type, Se3Between>) {
+    return std::find(Type::source_types.begin(), Type::source_types.end(), name) != Type::source_types.end();
+  } else {
+    return name == Type::type;
+  }
+}
+
 template <std::size_t I = 0>
 FactorData data_from(const Json& json, const std::string& type) {
   if constexpr (I < std::variant_size_v<FactorData>) {
     using Type = std::variant_alternative_t<I, FactorData>;
-    if (type == Type::type || (std::is_same_v<Type, Se3Between> && type == "loop")) {
+    if (is_type_of<Type>(type)) {
       Type data;
       Reader reader{json};
       Type::describe(data, reader);

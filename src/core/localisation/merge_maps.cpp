@@ -1,6 +1,7 @@
 #include "sgraph_slam/core/localisation/merge_maps.hpp"
 
 #include <Eigen/LU>
+#include <set>
 
 #include "sgraph_slam/core/io/temporary_clouds.hpp"
 #include "sgraph_slam/core/store/map_recording.hpp"
@@ -17,6 +18,23 @@ std::vector<KeyframeId> keyframes_of(const StoredMap& map, std::int64_t session)
     if (map.session_of.at(id) == session) ids.push_back(id);
   }
   return ids;
+}
+
+// Keyframes that have handed over their views: the map knows better than the odometry where they stood.
+std::set<KeyframeId> retired_keyframes(const StoredMap& map) {
+  std::set<KeyframeId> retired;
+  for (const auto& [id, factor] : map.factors) {
+    const auto* between = std::get_if<Se3Between>(&factor.data);
+    if (between != nullptr && between->source == Se3Between::Source::retired) retired.insert(between->to);
+  }
+  return retired;
+}
+
+// The motion between two keyframes as the map has it, to within what no motion is taken to be known better than.
+KeyframeMotion motion_of(const StoredMap& map, KeyframeId from, KeyframeId to, const FactorParams& params) {
+  Vector6 sigma;
+  sigma << Eigen::Vector3d::Constant(params.keyframe_floor_angle), Eigen::Vector3d::Constant(params.keyframe_floor_distance);
+  return {map.poses.at(from).inverse() * map.poses.at(to), sigma.cwiseAbs2().asDiagonal()};
 }
 
 }  // namespace
@@ -57,6 +75,7 @@ Localisation add_session(const StoredMap& from, std::int64_t session, const std:
   const std::vector<KeyframeId> stored = keyframes_of(from, session);  // in the same order
   std::optional<StoredClouds> clouds;
   if (!from.path.empty()) clouds.emplace(from.path);
+  const std::set<KeyframeId> retired = retired_keyframes(from);
   const StoredSession& about = from.sessions.at(session);
   SessionStart start;
   if (!into.empty()) start = {take_map(into), MapMode::extend, near};
@@ -71,6 +90,8 @@ Localisation add_session(const StoredMap& from, std::int64_t session, const std:
   for (std::size_t i = 0; i < keyframes.size(); ++i) {
     Keyframe keyframe = keyframes[i].keyframe;
     if (!keyframe.cloud && clouds) keyframe.cloud = clouds->get(stored[i]);  // one at a time: a building's don't fit into memory
+    if (i > 0 && (retired.count(stored[i]) > 0 || retired.count(stored[i - 1]) > 0))
+      keyframe.measured = motion_of(from, stored[i - 1], stored[i], params.factors);
     mapping.process(keyframe, keyframes[i].segments);
   }
   mapping.optimize();

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <utility>
 
 #include <Eigen/LU>
@@ -13,6 +14,7 @@
 #include "sgraph_slam/core/places/topology.hpp"
 #include "sgraph_slam/core/planes/drop_planes.hpp"
 #include "sgraph_slam/core/planes/merge_duplicates.hpp"
+#include "sgraph_slam/core/planes/retire_keyframes.hpp"
 #include "sgraph_slam/core/storeys/find_storeys.hpp"
 
 namespace sgraph {
@@ -75,7 +77,11 @@ void MapBuilder::resume_drift() {
   std::map<KeyframeId, Matrix6> covariances;
   for (const auto& [id, factor] : state_.graph.factors()) {
     const auto* motion = std::get_if<Se3Between>(&factor.data);
-    if (motion == nullptr || motion->source != Se3Between::Source::odometry) continue;
+    if (motion == nullptr || motion->source == Se3Between::Source::loop) continue;
+    if (motion->source == Se3Between::Source::retired) {  // the motion to the next one holds what is uncertain of the motion to it
+      covariances[motion->to] = Matrix6::Zero();
+      continue;
+    }
     const Matrix6 root = motion->weight.matrix();
     covariances[motion->to] = (root.transpose() * root).inverse();
   }
@@ -168,12 +174,22 @@ void MapBuilder::solve_global(int iterations, bool all_pairs) {
   options.max_iterations = iterations;
   note(solve(state_.graph, options));
   state_.since_global = 0;
+  retire_known();
   state_.planes.marginals.forget();
   state_.planes.map.refresh(state_.graph, state_.planes.frame);
   update_frame();
   std::set<PlanePair> shown;
   shown.swap(state_.pending_merges);
   merge_duplicates(committer_, state_.planes, shown, all_pairs, state_.params.solving.iterations);
+}
+
+// Those that the solves of the newest part leave alone, of the session that is going on: another one may be taken out of the map again.
+void MapBuilder::retire_known() {
+  const auto& poses = state_.graph.keyframes();
+  const auto window = static_cast<std::size_t>(state_.params.solving.window);
+  if (poses.size() <= window) return;
+  const KeyframeId end = std::prev(poses.end(), static_cast<std::ptrdiff_t>(window) + 1)->first;
+  retire_keyframes(committer_, state_.planes, {state_.session.first}, end);
 }
 
 // What is too low or has been seen too rarely bounds no place.

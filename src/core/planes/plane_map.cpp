@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "sgraph_slam/core/math/so3.hpp"
+#include "sgraph_slam/core/planes/moved_covariance.hpp"
 
 namespace sgraph {
 namespace {
@@ -15,14 +15,11 @@ Outline moved(const Pose& T, const Outline& outline) {
   return result;
 }
 
-// Covariance of a plane from the LiDAR's frame to the map's, the LiDAR's pose taken as known.
-Eigen::Matrix3d moved_covariance(const Pose& T_map_lidar, const Plane& measured, const Plane& plane_map, const Eigen::Matrix3d& covariance) {
-  const Eigen::Matrix<double, 3, 2> turned = T_map_lidar.matrix() * tangent_basis(measured.normal);
-  Eigen::Matrix3d J = Eigen::Matrix3d::Identity();
-  J.topLeftCorner<2, 2>() = tangent_basis(plane_map.normal).transpose() * turned;
-  J.bottomLeftCorner<1, 2>() = -T_map_lidar.translation.transpose() * turned;
-  return J * covariance * J.transpose();
-}
+// Views in the order of their keyframes.
+struct ByKeyframe {
+  bool operator()(const PlaneObservation& a, KeyframeId b) const { return a.keyframe < b; }
+  bool operator()(KeyframeId a, const PlaneObservation& b) const { return a < b.keyframe; }
+};
 
 // Whether two poses of a keyframe put what it saw in places further apart than the tolerance.
 bool has_moved(const Pose& before, const Pose& now) {
@@ -97,7 +94,7 @@ void PlaneMap::rebuild(const Graph& graph, PlaneRecord& record) {
     corners.insert(corners.end(), outlines.back().begin(), outlines.back().end());
     record.keyframes.insert(seen.keyframe);
   }
-  if (!record.keyframes.empty()) record.last_seen = record.keyframes.newest();
+  if (!record.keyframes.empty()) record.last_seen = std::max(record.last_seen, record.keyframes.newest());
   record.outline = convex_outline(*plane, corners);
   record.built = *plane;
   record.middle = middle_height(corners);
@@ -189,6 +186,9 @@ void PlaneMap::undo_merge(const Graph& graph, PlaneId kept, PlaneId merged) {
   observations.erase(std::remove_if(observations.begin(), observations.end(), [&](const auto& seen) { return own.count(seen.factor) > 0; }),
                      observations.end());
   records_[merged] = from->second;
+  auto& restored = records_[merged].observations;
+  restored.erase(std::remove_if(restored.begin(), restored.end(), [&graph](const auto& seen) { return graph.find(seen.factor) == nullptr; }),
+                 restored.end());
   retired_.erase(from);
   rebuild(graph, to->second);
   rebuild(graph, records_[merged]);
@@ -203,6 +203,23 @@ void PlaneMap::restore(const Graph& graph, std::map<PlaneId, PlaneRecord> record
 const PlaneRecord* PlaneMap::find(PlaneId id) const {
   const auto found = records_.find(id);
   return found == records_.end() ? nullptr : &found->second;
+}
+
+void PlaneMap::retire(const Graph& graph, KeyframeId id, KeyframeId to, const std::map<FactorId, FactorId>& moved_views) {
+  const Pose T_to_id = graph.find(to)->inverse() * *graph.find(id);
+  for (auto& [plane, record] : records_) {
+    if (record.keyframes.count(id) == 0) continue;
+    auto& all = record.observations;
+    const auto [first, last] = std::equal_range(all.begin(), all.end(), id, ByKeyframe{});
+    std::vector<PlaneObservation> kept;
+    for (auto seen = first; seen != last; ++seen) {
+      const auto now = moved_views.find(seen->factor);
+      if (now != moved_views.end()) kept.push_back({to, now->second, moved(T_to_id, seen->outline_base)});
+    }
+    all.erase(first, last);
+    all.insert(std::upper_bound(all.begin(), all.end(), to, ByKeyframe{}), kept.begin(), kept.end());
+    record.grown = true;
+  }
 }
 
 void PlaneMap::set_storey(PlaneId id, int storey) {

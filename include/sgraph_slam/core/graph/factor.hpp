@@ -53,7 +53,7 @@ class BlockIds {
 /// Variables of the factor in the order of its cost's parameter blocks.
 BlockIds blocks(const FactorData& data);
 
-/// Its name in files; "loop" for a relative pose from a loop closure.
+/// Its name in files; of a relative pose by where it comes from.
 const char* type_name(const FactorData& data);
 
 /// A plane observed from a keyframe, in whichever form.

@@ -68,6 +68,7 @@ struct FactorParams {
   double point_sigma = 0.02;
   std::string plane_loss = "huber";
   double plane_loss_scale = 2.5;
+  int spot_keyframes = 4;
 
   void describe(ParamVisitor& v) {
     v.choice("plane_factor", plane_factor, {"tangent", "points"},
@@ -82,6 +83,8 @@ struct FactorParams {
     v.field("point_sigma", point_sigma, "m", {1e-4, 1}, "Standard deviation of a point's distance from its plane, for the points form.");
     v.choice("plane_loss", plane_loss, {"none", "huber", "cauchy", "tukey", "geman_mcclure"}, "Robust loss of plane observations.");
     v.field("plane_loss_scale", plane_loss_scale, "", {0.1, 100}, "In standard deviations.");
+    v.field("spot_keyframes", spot_keyframes, "", {0, 1000},
+            "A keyframe is retired when this many older ones stand within half a metre and show most of the planes that it shows. 0: none is.");
   }
 };
 

@@ -33,6 +33,7 @@ struct PlaneLayer {
   DominantFrame frame;                            ///< of the building
   std::map<PlanePair, KeyframeId> tested_merges;  ///< beyond their gate, and when that was found
   std::set<PlanePair> refused_merges;             ///< merged once and undone
+  KeyframeId may_retire;                          ///< the first keyframe of which it hasn't been asked yet
   std::map<KeyframeId, int> storeys;              ///< of the keyframes; those that aren't here are on the first
 
   [[nodiscard]] int storey_of(KeyframeId id) const {

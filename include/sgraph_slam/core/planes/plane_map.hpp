@@ -67,6 +67,9 @@ class PlaneMap {
   void merge(const Graph& graph, PlaneId kept, PlaneId merged);
   void erase(PlaneId id);
   void set_storey(PlaneId id, int storey);
+  /// Forgets the views of a keyframe that is retired, but for those that another keyframe has from now on: old factor to new one. Extents follow when
+  /// they are brought up to date.
+  void retire(const Graph& graph, KeyframeId id, KeyframeId to, const std::map<FactorId, FactorId>& moved);
   void undo_merge(const Graph& graph, PlaneId kept, PlaneId merged);
 
   /// Takes up the records of a map made earlier: class, observations and last_covariance of each plane, and of those merged away. The rest follows.

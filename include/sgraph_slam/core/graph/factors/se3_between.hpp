@@ -1,5 +1,7 @@
 #pragma once
 
+#include <array>
+
 #include "sgraph_slam/core/graph/factors/cost.hpp"
 #include "sgraph_slam/core/graph/sqrt_information.hpp"
 #include "sgraph_slam/core/types/ids.hpp"
@@ -7,14 +9,19 @@
 
 namespace sgraph {
 
-/// Relative pose of two keyframes, from odometry or from a loop closure (then with a robust loss).
+/// Relative pose of two keyframes: from odometry, from a loop closure (then with a robust loss), or of a keyframe that has been retired.
 ///
 ///   e = W Log( Z^-1 T_map_from^-1 T_map_to ),  6 residuals: rotation [rad], translation [m], in the frame of `to`
 ///
 /// Blocks: keyframe `from`, keyframe `to`. Degenerate (jump of the logarithm) at a rotation error of pi.
 /// Source: paper, Robot Tracking Layer; design: keyframe-to-keyframe factor.
 struct Se3Between {
-  enum class Source { odometry, loop };
+  enum class Source {
+    odometry,
+    loop,
+    retired,  ///< `to` says nothing more about the map and is kept where it stood beside `from`
+  };
+  static constexpr std::array<const char*, 3> source_types{"se3_between", "loop", "retired"};  ///< in files
 
   KeyframeId from;
   KeyframeId to;
@@ -32,7 +39,7 @@ struct Se3Between {
     v.block("to", f.to);
     v.field("pose", f.T_from_to);
     v.field("sqrt_information", f.weight);
-    v.type(f.source, "se3_between", Source::odometry, "loop", Source::loop);
+    v.type(f.source, source_types);
   }
 };
 

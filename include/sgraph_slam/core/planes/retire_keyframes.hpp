@@ -1,0 +1,16 @@
+#pragma once
+
+#include "sgraph_slam/core/graph/committer.hpp"
+#include "sgraph_slam/core/planes/plane_layer.hpp"
+
+namespace sgraph {
+
+/// Retires keyframes before `end` that say nothing new about the map, so that factors and views of planes grow with the area and not with the time
+/// spent in it. One goes when `FactorParams::spot_keyframes` older ones of the session (from `first` on) stand at the same spot and show most of the
+/// planes that it shows: from one spot the errors that beams and surfaces give are the same, and more views don't average them out. It keeps its
+/// pose, beside the one of them that shows most of its planes (`Se3Between::Source::retired`), which also takes over what few others show. The
+/// odometry to it and from it becomes one factor past it. Keyframes that loops hold stay. Each keyframe is asked once. Returns how many were retired.
+/// Source: design, Cost ("redundant keyframes retired, their information kept").
+int retire_keyframes(Committer& committer, PlaneLayer& planes, KeyframeId first, KeyframeId end);
+
+}  // namespace sgraph

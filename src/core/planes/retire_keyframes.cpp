@@ -1,0 +1,197 @@
+#include "sgraph_slam/core/planes/retire_keyframes.hpp"
+
+#include <algorithm>
+#include <map>
+#include <optional>
+#include <vector>
+
+#include <Eigen/LU>
+
+#include "sgraph_slam/core/math/se3.hpp"
+#include "sgraph_slam/core/planes/moved_covariance.hpp"
+
+namespace sgraph {
+namespace {
+
+constexpr double spot = 0.5;      // from no further apart a wall five metres away is seen within 6 degrees of the same direction [m]
+constexpr double as_large = 0.9;  // a view shows the same part of a plane when they overlap and it is at least this much of the other's area
+
+// A view of a plane, its outline in the map.
+struct View {
+  FactorId factor;
+  PlaneId plane;
+  Outline outline;
+  double area;
+};
+
+// The views of each keyframe that is asked for.
+class Views {
+ public:
+  Views(const Graph& graph, const PlaneMap& planes) : graph_(graph) {
+    for (const auto& [id, record] : planes.records()) {
+      for (const PlaneObservation& seen : record.observations) seen_[seen.keyframe].push_back({id, &seen});
+    }
+  }
+
+  const std::vector<View>& of(KeyframeId id) {
+    const auto [entry, fresh] = views_.try_emplace(id);
+    if (!fresh) return entry->second;
+    const Pose& T_map_base = *graph_.find(id);
+    for (const auto& [plane, seen] : seen_[id]) {
+      View view{seen->factor, plane, {}, outline_area(seen->outline_base)};
+      for (const Eigen::Vector3d& corner : seen->outline_base) view.outline.push_back(T_map_base * corner);
+      entry->second.push_back(std::move(view));
+    }
+    return entry->second;
+  }
+
+ private:
+  const Graph& graph_;
+  std::map<KeyframeId, std::vector<std::pair<PlaneId, const PlaneObservation*>>> seen_;
+  std::map<KeyframeId, std::vector<View>> views_;
+};
+
+bool shows(const Graph& graph, const std::vector<View>& views, const View& wanted) {
+  return std::any_of(views.begin(), views.end(), [&](const View& view) {
+    return view.plane == wanted.plane && view.area >= as_large * wanted.area &&
+           outline_distance(*graph.find(view.plane), view.outline, wanted.outline) == 0;
+  });
+}
+
+// What joins a keyframe to others.
+struct Joints {
+  std::vector<FactorId> before;  // odometry
+  std::vector<FactorId> after;
+  bool held_by_others = false;  // a loop, or a keyframe that was retired beside it
+  bool retired = false;
+};
+
+Joints joints_of(const Graph& graph, KeyframeId id) {
+  Joints joints;
+  for (const FactorId factor : graph.factors_of(id)) {
+    const auto* between = std::get_if<Se3Between>(&graph.find(factor)->data);
+    if (between == nullptr) continue;
+    if (between->source == Se3Between::Source::odometry) {
+      (between->to == id ? joints.before : joints.after).push_back(factor);
+    } else if (between->source == Se3Between::Source::retired && between->to == id) {
+      joints.retired = true;
+    } else {
+      joints.held_by_others = true;
+    }
+  }
+  return joints;
+}
+
+// One motion after the other.
+Se3Between joined(const Se3Between& a, const Se3Between& b) {
+  const Matrix6 turn = se3_adjoint(b.T_from_to.inverse());
+  const Matrix6 covariance = turn * a.weight.information().inverse() * turn.transpose() + b.weight.information().inverse();
+  return {a.from, b.to, a.T_from_to * b.T_from_to, SqrtInformation<6>::from_covariance(covariance, Vector6::Constant(1e-6)), a.source};
+}
+
+// The view as keyframe `to` would have it. What is uncertain of the pose between the two, millimetres, is far less than a view's own error.
+FactorData seen_from(const Graph& graph, KeyframeId to, const FactorData& data) {
+  if (const auto* points = std::get_if<PosePlanePoints>(&data)) {
+    const Pose T_id_to = (*graph.find(points->keyframe) * points->T_base_lidar).inverse() * *graph.find(to) * points->T_base_lidar;
+    // Planes in the other LiDAR's frame: the normal turns, and what the distance changes by goes with the normal.
+    Eigen::Matrix4d plane_id_to = Eigen::Matrix4d::Identity();
+    plane_id_to.topLeftCorner<3, 3>() = T_id_to.matrix();
+    plane_id_to.bottomLeftCorner<1, 3>() = -T_id_to.translation.transpose() * T_id_to.matrix();
+    return PosePlanePoints{to, points->plane, points->points * plane_id_to, points->T_base_lidar};
+  }
+  const auto& fitted = std::get<PosePlane>(data);
+  const Pose T_to_id = (*graph.find(to) * fitted.T_base_lidar).inverse() * *graph.find(fitted.keyframe) * fitted.T_base_lidar;
+  const Plane measured = T_to_id * fitted.measured;
+  const Eigen::Matrix3d covariance = moved_covariance(T_to_id, fitted.measured, measured, fitted.weight.information().inverse());
+  return PosePlane{to, fitted.plane, measured, fitted.T_base_lidar, SqrtInformation<3>::from_covariance(covariance, Eigen::Vector3d::Constant(1e-6))};
+}
+
+// What becomes of a keyframe's views.
+struct Successor {
+  KeyframeId keyframe;
+  std::vector<FactorId> taken_over;
+};
+
+std::optional<Successor> successor_of(const Graph& graph, Views& views, KeyframeId id, const std::vector<KeyframeId>& at_spot) {
+  const std::vector<View>& own = views.of(id);
+  std::map<KeyframeId, std::size_t> shown_by;
+  Successor found;
+  for (const View& view : own) {
+    std::size_t count = 0;
+    for (const KeyframeId other : at_spot) {
+      if (!shows(graph, views.of(other), view)) continue;
+      ++count;
+      ++shown_by[other];
+    }
+    if (2 * count < at_spot.size()) found.taken_over.push_back(view.factor);
+  }
+  if (own.empty() || 2 * found.taken_over.size() > own.size()) return std::nullopt;
+  const auto fewer = [](const auto& a, const auto& b) { return a.second < b.second; };
+  found.keyframe = std::max_element(shown_by.begin(), shown_by.end(), fewer)->first;
+  return found;
+}
+
+std::vector<KeyframeId> near(const Graph& graph, const std::vector<KeyframeId>& ids, const Eigen::Vector3d& here) {
+  std::vector<KeyframeId> found;
+  for (const KeyframeId id : ids) {
+    if ((graph.find(id)->translation - here).squaredNorm() <= spot * spot) found.push_back(id);
+  }
+  return found;
+}
+
+bool retire(Committer& committer, PlaneLayer& planes, KeyframeId id, const Joints& joints, const std::vector<KeyframeId>& at_spot) {
+  const Graph& graph = committer.graph;
+  Views views(graph, planes.map);
+  const std::optional<Successor> successor = successor_of(graph, views, id, at_spot);
+  if (!successor) return false;
+  Transaction edit;
+  edit.reason = "retire keyframe/" + std::to_string(id.value);
+  for (const View& view : views.of(id)) edit.remove_factors.push_back(view.factor);
+  for (const FactorId factor : successor->taken_over) {
+    const Factor& view = *graph.find(factor);
+    add_factor(edit, seen_from(graph, successor->keyframe, view.data), view.loss);
+  }
+  edit.remove_factors.insert(edit.remove_factors.end(), {joints.before.front(), joints.after.front()});
+  add_factor(edit,
+             joined(std::get<Se3Between>(graph.find(joints.before.front())->data), std::get<Se3Between>(graph.find(joints.after.front())->data)));
+  const FactorParams& params = planes.params.factors;
+  Vector6 sigma;
+  sigma << Eigen::Vector3d::Constant(params.keyframe_floor_angle), Eigen::Vector3d::Constant(params.keyframe_floor_distance);
+  add_factor(edit, Se3Between{successor->keyframe, id, graph.find(successor->keyframe)->inverse() * *graph.find(id),
+                              SqrtInformation<6>::from_std_dev(sigma), Se3Between::Source::retired});
+  const Applied applied = committer.commit(edit);
+  if (!applied.ok()) return false;
+  std::map<FactorId, FactorId> moved;
+  for (std::size_t i = 0; i < successor->taken_over.size(); ++i) moved[successor->taken_over[i]] = applied.factors[i];
+  planes.map.retire(graph, id, successor->keyframe, moved);
+  return true;
+}
+
+}  // namespace
+
+int retire_keyframes(Committer& committer, PlaneLayer& planes, KeyframeId first, KeyframeId end) {
+  const auto enough = static_cast<std::size_t>(planes.params.factors.spot_keyframes);
+  const KeyframeId begin = std::max(planes.may_retire, first);
+  if (enough == 0 || !(begin < end)) return 0;
+  planes.may_retire = end;
+  const Graph& graph = committer.graph;
+  std::vector<KeyframeId> kept;
+  for (auto keyframe = graph.keyframes().lower_bound(first); keyframe != graph.keyframes().end() && keyframe->first < begin; ++keyframe) {
+    if (!joints_of(graph, keyframe->first).retired) kept.push_back(keyframe->first);
+  }
+  int count = 0;
+  for (auto keyframe = graph.keyframes().lower_bound(begin); keyframe != graph.keyframes().end() && keyframe->first < end; ++keyframe) {
+    const auto& [id, T_map_base] = *keyframe;
+    const std::vector<KeyframeId> at_spot = near(graph, kept, T_map_base.translation);
+    const Joints joints = joints_of(graph, id);
+    const bool may = at_spot.size() >= enough && !joints.held_by_others && joints.before.size() == 1 && joints.after.size() == 1;
+    if (may && retire(committer, planes, id, joints, at_spot)) {
+      ++count;
+    } else {
+      kept.push_back(id);
+    }
+  }
+  return count;
+}
+
+}  // namespace sgraph
