@@ -10,6 +10,7 @@ import roslib.packages
 import rospy
 import tf2_ros
 from diagnostic_msgs.msg import DiagnosticStatus
+from nav_msgs.msg import Odometry
 from sensor_msgs.msg import PointCloud2
 from sgraph_slam.msg import Keyframe, OdometryStatus
 from sgraph_slam.srv import LoadMap, SaveMap
@@ -98,6 +99,16 @@ class BadInput(unittest.TestCase):
         self.publisher.publish(cloud_message(rospy.Time(130), self.points, self.ring, frame='other'))
         self.expect('odometry', DiagnosticStatus.ERROR, "its frame is 'other'")
         self.expect_another_scan(131)
+
+    def test_7_the_robots_odometry_is_listened_to_beside_the_lidars(self):
+        publisher = rospy.Publisher('/odom', Odometry, queue_size=10)
+        self.assertTrue(wait_for(lambda: publisher.get_num_connections() > 0), 'nobody listens to the robot')
+        message = Odometry(child_frame_id='base_link')
+        message.header.stamp, message.header.frame_id = rospy.Time(131.5), 'odom'
+        message.pose.pose.position.x = float('nan')
+        publisher.publish(message)
+        self.expect('odometry', DiagnosticStatus.ERROR, 'robot odometry refused')
+        self.expect_another_scan(132)
 
     def test_8_time_that_goes_back_starts_a_new_recording(self):
         self.assertTrue(wait_for(lambda: self.keyframes.messages))

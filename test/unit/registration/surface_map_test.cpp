@@ -134,7 +134,10 @@ TEST(SurfaceMap, CountsAsManyPointsAsItMayBeAskedTo) {
   std::normal_distribution<double> noise(0, 0.005);
   for (int i = 0; i < 66000; ++i) map.insert({0.1 + noise(random), 0.05 + 0.15 * unit(random), 0.05 + 0.15 * unit(random)}, {-2, 0.1, 0.1});
   map.update();
-  EXPECT_NE(map.match({0.12, 0.1, 0.1}, {-2, 0.1, 0.1}, 0.05), nullptr);
+  const Surface* found = map.match({0.12, 0.1, 0.1}, {-2, 0.1, 0.1}, 0.05);
+  ASSERT_NE(found, nullptr);
+  EXPECT_GT(std::abs(found->normal.x()), 0.99);
+  EXPECT_LT((found->mean - Vector3d(0.1, 0.125, 0.125)).norm(), 0.05);
   EXPECT_EQ(map.match({0.2, 0.1, 0.1}, {-2, 0.1, 0.1}, 0.05), nullptr);
 }
 
