@@ -32,7 +32,13 @@ double leaves(const Vector3d& eye, const Vector3d& direction, const Vector3d& le
   return nearest;
 }
 
-enum class Window { mirrors, shows_the_yard };
+// Behind the window there is a yard, or a room 6 m deep with a shelf right where the mirrored wall would be. Glass that glimmers shows the room, and
+// to a quarter of the rays what stands before it.
+enum class Window { mirrors, shows_the_yard, shows_a_room, glimmers };
+
+constexpr double room_end = 8.2;        // y
+constexpr double shelf = 2 * pane + 2;  // y: the image of the wall at y = -2
+bool in_shelf(const Vector3d& p) { return p.x() > 0.2 && p.x() < 1.2 && p.z() < 1.8; }
 
 // Range that the LiDAR reports along a ray.
 double range(const Vector3d& eye, const Vector3d& direction, Window window) {
@@ -48,6 +54,13 @@ double range(const Vector3d& eye, const Vector3d& direction, Window window) {
     const double to_pane = (pane - eye.y()) / direction.y();
     if (std::abs(direction.y()) > 0.99) return to_pane;  // head-on
     if (window == Window::shows_the_yard) return direction.z() < -0.05 ? (-1 - eye.z()) / direction.z() : to_pane + 7 / direction.y();
+    if (window == Window::shows_a_room ||
+        (window == Window::glimmers && static_cast<int>(40 * std::atan2(direction.x(), direction.y()) + 100) % 4 != 0)) {
+      const double to_shelf = (shelf - eye.y()) / direction.y();
+      if (in_shelf(eye + to_shelf * direction)) return to_shelf;
+      const Vector3d entered = eye + (to_pane + 1e-6) * direction;
+      return to_pane + 1e-6 + leaves(entered, direction, {-3, pane, 0}, {3, room_end, 2.5});
+    }
     const Vector3d mirrored(direction.x(), -direction.y(), direction.z());
     const Vector3d on_pane = eye + to_pane * direction;
     const Vector3d back = on_pane + (on_pane.y() - high.y() + 1e-6) / direction.y() * mirrored;
@@ -91,6 +104,8 @@ GraphSnapshot seen(Window window) {
     snapshot.keyframes[keyframe.id] = keyframe;
   }
   add_plane(snapshot, {0, 0, 1}, 0, {{-3, -2, 0}, {3, -2, 0}, {3, 2, 0}, {-3, 2, 0}});
+  add_plane(snapshot, {0, 0, -1}, 2.5, {{-3, 2, 2.5}, {3, 2, 2.5}, {3, -2, 2.5}, {-3, -2, 2.5}});
+  add_plane(snapshot, {0, 1, 0}, 2, {{-3, -2, 0}, {3, -2, 0}, {3, -2, 2.5}, {-3, -2, 2.5}});
   add_plane(snapshot, {0, -1, 0}, 2, {{3, 2, 0}, {-3, 2, 0}, {-3, 2, 2.2}, {3, 2, 2.2}});
   add_plane(snapshot, {-1, 0, 0}, 3, {{3, -2, 0}, {3, 2, 0}, {3, 2, 2.2}, {3, -2, 2.2}});
   return snapshot;
@@ -123,6 +138,46 @@ TEST(MirrorImages, WhatIsThereBehindAWindowStays) {
   const MirrorImages images(snapshot, {});
   EXPECT_EQ(images.holes(), 0);
   EXPECT_EQ(map_cloud(snapshot, {}, 0, std::cref(images)).size(), map_cloud(snapshot, {}, 0).size());
+}
+
+TEST(MirrorImages, ImagesInGlassThatShowsARoomAreNotInTheMap) {
+  const GraphSnapshot snapshot = seen(Window::glimmers);
+  const MirrorImages images(snapshot, {});
+  const Cloud all = map_cloud(snapshot, {}, 0);
+  const Cloud cleaned = map_cloud(snapshot, {}, 0, std::cref(images));
+  const auto mirrored_wall = [](const Vector3d& p) { return std::abs(p.y() - shelf) < 0.01 && p.z() > 0.15 && p.z() < 2.35 && !in_shelf(p); };
+  EXPECT_GT(count(all, mirrored_wall), 300);
+  EXPECT_LT(count(cleaned, mirrored_wall), 0.25 * count(all, mirrored_wall));
+  // The room behind the glass stays, and the shelf in it.
+  const auto room = [](const Vector3d& p) { return p.y() > pane && std::abs(p.y() - shelf) > 0.15; };
+  EXPECT_GT(count(all, room), 1000);
+  EXPECT_EQ(count(cleaned, room), count(all, room));
+  const auto on_shelf = [](const Vector3d& p) { return std::abs(p.y() - shelf) < 0.01 && in_shelf(p); };
+  EXPECT_GT(count(all, on_shelf), 50);
+  EXPECT_GT(count(cleaned, on_shelf), 0.8 * count(all, on_shelf));
+}
+
+TEST(MirrorImages, TheRoomBehindGlassStays) {
+  const GraphSnapshot snapshot = seen(Window::shows_a_room);
+  const MirrorImages images(snapshot, {});
+  EXPECT_EQ(map_cloud(snapshot, {}, 0, std::cref(images)).size(), map_cloud(snapshot, {}, 0).size());
+}
+
+// Nobody was near the window: its sill is told by the floor where the sensor was.
+TEST(MirrorImages, AWindowFarAwayIsNoDoor) {
+  GraphSnapshot snapshot = seen(Window::mirrors);
+  constexpr double scale = 4;
+  for (auto& [id, keyframe] : snapshot.keyframes) {
+    auto cloud = std::make_shared<Cloud>(*keyframe.cloud.get());
+    for (Point& point : cloud->points) point.set_position((scale * point.position()).eval());
+    keyframe.cloud = cloud;
+    keyframe.T_map_base.translation *= scale;
+  }
+  for (auto& [id, plane] : snapshot.planes) {
+    plane.plane.d *= scale;
+    for (Vector3d& corner : plane.extent) corner *= scale;
+  }
+  EXPECT_GE(MirrorImages(snapshot, {}).holes(), 1);
 }
 
 TEST(MirrorImages, AwkwardMapsAreNoTrouble) {
