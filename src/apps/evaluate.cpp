@@ -2,6 +2,7 @@
 // (errors over time) and evaluation.png.
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
@@ -14,6 +15,7 @@
 
 #include "sgraph_slam/core/eval/evaluation.hpp"
 #include "sgraph_slam/core/eval/true_associations.hpp"
+#include "sgraph_slam/core/eval/true_heights.hpp"
 #include "sgraph_slam/core/io/file.hpp"
 #include "sgraph_slam/core/io/graph_json.hpp"
 #include "sgraph_slam/core/io/pcd.hpp"
@@ -40,20 +42,29 @@ bool has(const fs::path& file, const char* what_it_gives, Evaluation& evaluation
   return false;
 }
 
-void measure_trajectories(const Options& options, const Trajectory& truth, Evaluation& evaluation) {
-  const fs::path final_file = options.run / "trajectory.tum";
-  if (has(final_file, "final poses, and all that needs their alignment,", evaluation))
-    evaluation.final_poses = evaluate_trajectory(read_tum(final_file), truth);
-  const fs::path live_file = options.run / "trajectory_live.tum";
-  if (has(live_file, "live poses", evaluation)) evaluation.live_poses = evaluate_trajectory(read_tum(live_file), truth);
-}
-
 GraphSnapshot read_graph(const fs::path& file) {
   try {
     return parse_graph_json(read_file(file));
   } catch (const std::runtime_error& error) {
     throw std::runtime_error(file.string() + ": " + error.what());
   }
+}
+
+void measure_trajectories(const Options& options, const Trajectory& truth, Evaluation& evaluation) {
+  GraphSnapshot graph;
+  if (fs::exists(options.run / "graph.json")) graph = read_graph(options.run / "graph.json");
+  const auto unknown = std::count_if(graph.storeys.begin(), graph.storeys.end(), [](const SceneStorey& storey) { return !storey.height_known; });
+  if (unknown > 0) {
+    evaluation.remarks.push_back(
+        "the height of " + std::to_string(unknown) +
+        " of the map's storeys is unknown: poses there are compared at their true height, those in a lift that goes are not");
+  }
+  const fs::path final_file = options.run / "trajectory.tum";
+  if (has(final_file, "final poses, and all that needs their alignment,", evaluation))
+    evaluation.final_poses = evaluate_trajectory(at_true_heights(read_tum(final_file), truth, graph), truth);
+  const fs::path live_file = options.run / "trajectory_live.tum";
+  if (has(live_file, "live poses", evaluation))
+    evaluation.live_poses = evaluate_trajectory(at_true_heights(read_tum(live_file), truth, graph), truth);
 }
 
 template <class Key, class Value>

@@ -84,6 +84,7 @@ json json_of(const StoreyScore& s) {
           {"keyframes_on_stairs", s.on_stairs},
           {"keyframes_on_stairs_misplaced", s.stairs_misplaced},
           {"height_errors_m", s.height_errors},
+          {"heights_unknown", s.heights_unknown},
           {"planes_across_storeys", s.planes_across}};
 }
 

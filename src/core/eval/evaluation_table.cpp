@@ -85,6 +85,7 @@ void add_storeys(std::string& text, const StoreyScore& s) {
   add_line(text, "storeys: %d found of %d; %d of %d keyframes on theirs, %d of %d on stairs misplaced; %d planes taken for one across storeys",
            s.estimates, s.truths, s.right, s.keyframes, s.stairs_misplaced, s.on_stairs, s.planes_across);
   for (const double error : s.height_errors) add_line(text, "  height against the first %+.4f m", error);
+  if (s.heights_unknown > 0) add_line(text, "  height of %d unknown", s.heights_unknown);
 }
 
 void add_places(std::string& text, const char* name, const PlaceScore& s) {

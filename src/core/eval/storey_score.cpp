@@ -109,7 +109,12 @@ StoreyScore score_storeys(const GraphSnapshot& graph, const TrueStoreys& truth, 
   std::map<int, double> floors;
   for (const SceneStorey& storey : graph.storeys) {
     const auto name = names.find(storey.id);
-    if (name != names.end() && name->second >= 0) floors[name->second] = storey.z;
+    if (name == names.end() || name->second < 0) continue;
+    if (storey.height_known) {
+      floors[name->second] = storey.z;
+    } else {
+      ++score.heights_unknown;
+    }
   }
   for (const auto& [number, z] : floors) {
     if (number == floors.begin()->first) continue;

@@ -40,6 +40,15 @@ TEST(StoreyScore, ReadsTheTruthAndCountsRightKeyframes) {
   EXPECT_NEAR(score.height_errors[0], 0.02, 1e-9);
 }
 
+TEST(StoreyScore, AHeightThatTheMapDoesntKnowIsNoError) {
+  const auto truth = read_true_storeys(truth_text);
+  GraphSnapshot map = graph(0, 1);
+  map.storeys[1].height_known = false;
+  const StoreyScore score = score_storeys(map, *truth, {0}, {});
+  EXPECT_TRUE(score.height_errors.empty());
+  EXPECT_EQ(score.heights_unknown, 1);
+}
+
 TEST(StoreyScore, CountsWhatIsWrong) {
   const auto truth = read_true_storeys(truth_text);
   GraphSnapshot map = graph(0, 0);

@@ -31,7 +31,8 @@ struct StoreyScore {
   int right = 0;                      ///< of them on the right one
   int on_stairs = 0;                  ///< taken on stairs
   int stairs_misplaced = 0;           ///< of them said to be on a storey whose floor is over half a metre away
-  std::vector<double> height_errors;  ///< of each true storey's floor against the first one's, where found [m]
+  std::vector<double> height_errors;  ///< of each true storey's floor against the first one's, where found and known [m]
+  int heights_unknown = 0;            ///< storeys of which the map says that their height isn't known
   int planes_across = 0;              ///< planes of a storey, not of the stairwell, that keyframes of two storeys took for one
 };
 
