@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include <Eigen/Eigenvalues>
+
 #include "sgraph_slam/core/graph/committer.hpp"
 
 namespace sgraph {
@@ -24,6 +26,16 @@ bool finite(const Pose& pose) {
 }
 
 }  // namespace
+
+bool is_ride(const Pose& base, const Matrix6& covariance) {
+  constexpr double unknown = 3.0;    // [m]
+  constexpr double known = 0.3;      // [m]
+  constexpr double upright = 0.996;  // 5 degrees
+  const Eigen::Matrix3d c = covariance.bottomRightCorner<3, 3>();
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(c);
+  return axes.eigenvalues()[2] > unknown * unknown && axes.eigenvalues()[1] < known * known &&
+         std::abs((base.rotation * axes.eigenvectors().col(2)).z()) > upright;
+}
 
 bool add_keyframe(MapState& state, const Keyframe& keyframe, const KeyframeCloud& cloud) {
   Committer committer{state.graph, state.log};
@@ -50,6 +62,7 @@ bool add_keyframe(MapState& state, const Keyframe& keyframe, const KeyframeCloud
                                 Se3Between::Source::odometry});
   }
   if (!committer.commit(edit).ok()) return false;
+  if (!state.keyframes.empty() && is_ride(keyframe.T_odom_base, motion.covariance)) state.rides.push_back({keyframe.id});
   state.planes.drift.add(keyframe.id, keyframe.T_odom_base, covariance);
   state.keyframes[keyframe.id] = {keyframe.id, keyframe.stamp, *state.graph.find(keyframe.id), keyframe.T_odom_base, keyframe.scans, cloud};
   return true;

@@ -103,7 +103,11 @@ void add_places(const MapState& state, GraphSnapshot& snapshot) {
   }
   const bool several = state.layer.storeys().size() > 1;
   if (!several && state.layer.rooms().empty() && state.layer.corridors().empty()) return;
-  for (const auto& [number, storey] : state.layer.storeys()) snapshot.storeys.push_back({number, storey.floor, storey.ceiling, true});
+  for (const auto& [number, storey] : state.layer.storeys()) {
+    const auto k = static_cast<std::size_t>(std::max(0, number));
+    const bool known = k >= state.storey_groups.size() || state.storey_groups[k] == 0;
+    snapshot.storeys.push_back({number, storey.floor, storey.ceiling, known});
+  }
 }
 
 }  // namespace

@@ -9,6 +9,7 @@
 
 #include "sgraph_slam/core/graph/solver.hpp"
 #include "sgraph_slam/core/loops/close_loop_by_appearance.hpp"
+#include "sgraph_slam/core/loops/storey_after_ride.hpp"
 #include "sgraph_slam/core/mapping/add_keyframe.hpp"
 #include "sgraph_slam/core/places/place_factors.hpp"
 #include "sgraph_slam/core/places/topology.hpp"
@@ -50,6 +51,7 @@ bool MapBuilder::add(const MappingInput& input) {
   summary_ = {};
   update_storeys();
   if (input.planes) map_planes(input.keyframe, input.cloud, input.segments);
+  recognise_storey();
   place_odometry();
   return true;
 }
@@ -84,11 +86,23 @@ void MapBuilder::resume_drift() {
     }
     const Matrix6 root = motion->weight.matrix();
     covariances[motion->to] = (root.transpose() * root).inverse();
+    if (is_ride(*state_.graph.find(motion->to), covariances[motion->to])) resume_ride(motion->to);
   }
   for (const auto& [id, keyframe] : state_.keyframes) {
     const auto found = covariances.find(id);
     state_.planes.drift.add(id, keyframe.T_odom_base, found != covariances.end() ? found->second : Matrix6::Identity());
   }
+}
+
+// A ride of the kept map: whether its storey had been seen before is told by the keyframes before it.
+void MapBuilder::resume_ride(KeyframeId first) {
+  KeyframeRide ride{first, std::nullopt, true};
+  const int storey = state_.keyframes.at(first).storey;
+  for (auto before = state_.keyframes.begin(); before->first < first; ++before) {
+    if (before->second.storey == storey && storey != stairwell) ride.storey = storey;
+  }
+  const auto later = [first](const KeyframeRide& other) { return first < other.first; };
+  state_.rides.insert(std::find_if(state_.rides.begin(), state_.rides.end(), later), ride);
 }
 
 void MapBuilder::map_planes(const Keyframe& keyframe, const KeyframeCloud& cloud, const PlaneSegments& segments) {
@@ -116,11 +130,31 @@ void MapBuilder::map_planes(const Keyframe& keyframe, const KeyframeCloud& cloud
   }
 }
 
+std::vector<LiftRide> MapBuilder::rides() const {
+  std::vector<LiftRide> all;
+  for (const KeyframeRide& ride : state_.rides) {
+    const auto first = state_.keyframes.find(ride.first);
+    if (first != state_.keyframes.end()) all.push_back({static_cast<std::size_t>(std::distance(state_.keyframes.begin(), first)), ride.storey});
+  }
+  return all;
+}
+
+// After a ride: a storey that was seen before is not another one.
+void MapBuilder::recognise_storey() {
+  if (state_.rides.empty() || state_.rides.back().settled) return;
+  KeyframeRide& ride = state_.rides.back();
+  ride.storey = storey_after_ride(committer_, state_.loops, state_.keyframes, ride.first, ride.settled);
+  if (!ride.storey) return;
+  update_storeys();
+  solve_global(state_.params.solving.iterations, true);
+}
+
 // Which storey each keyframe and each plane is on; that of the newest keyframes may change while it shows where they lead.
 void MapBuilder::update_storeys() {
   std::vector<Eigen::Vector3d> positions;
   for (const auto& [id, keyframe] : state_.keyframes) positions.push_back(state_.graph.find(id)->translation);
-  const StoreysOfPath found = find_storeys(positions);
+  const StoreysOfPath found = find_storeys(positions, rides());
+  state_.storey_groups = found.group;
   std::map<KeyframeId, int> storeys;
   bool changed = found.heights.size() != state_.storeys;
   std::size_t i = 0;
@@ -134,8 +168,10 @@ void MapBuilder::update_storeys() {
     if (const CloudPtr points = keyframe.cloud.get()) state_.layer.add(id, *points, state_.planes.T_base_lidar, storey);
   }
   if (found.heights.size() > state_.storeys && state_.storeys > 0) {
-    state_.log.push_back({committer_.newest(), true, "storey/" + std::to_string(found.heights.size() - 1),
-                          "a floor " + std::to_string(found.heights.back() - found.heights.front()) + " m above the first"});
+    const std::string above = found.group.back() != 0
+                                  ? "a floor of unknown height"
+                                  : "a floor " + std::to_string(found.heights.back() - found.heights.front()) + " m above the first";
+    state_.log.push_back({committer_.newest(), true, "storey/" + std::to_string(found.heights.size() - 1), above});
   }
   state_.storeys = found.heights.size();
   if (changed) {

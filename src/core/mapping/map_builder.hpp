@@ -6,6 +6,7 @@
 #include "sgraph_slam/core/mapping/kept_map.hpp"
 #include "sgraph_slam/core/mapping/map_state.hpp"
 #include "sgraph_slam/core/planes/add_observations.hpp"
+#include "sgraph_slam/core/storeys/find_storeys.hpp"
 
 namespace sgraph {
 
@@ -38,8 +39,11 @@ class MapBuilder {
 
  private:
   void resume_drift();
+  void resume_ride(KeyframeId first);
   void map_planes(const Keyframe& keyframe, const KeyframeCloud& cloud, const PlaneSegments& segments);
+  void recognise_storey();
   void update_storeys();
+  [[nodiscard]] std::vector<LiftRide> rides() const;
   [[nodiscard]] bool wants_global(const AssociationResult& seen) const;
   [[nodiscard]] bool wants_places() const;
   void note(const SolveSummary& summary);

@@ -26,6 +26,7 @@ struct Run {
   double way;              // [m]
   double extent;           // diagonal of the box around it, on the ground [m]
   int storey = stairwell;
+  const LiftRide* ride = nullptr;  // with which it begins
 };
 
 std::vector<double> ways(const std::vector<Eigen::Vector3d>& positions) {
@@ -35,7 +36,7 @@ std::vector<double> ways(const std::vector<Eigen::Vector3d>& positions) {
 }
 
 Run run_of(const std::vector<Eigen::Vector3d>& positions, const std::vector<double>& way, std::size_t begin, std::size_t end) {
-  Run run{begin, end, 0, way[end - 1] - way[begin], 0, stairwell};
+  Run run{begin, end, 0, way[end - 1] - way[begin], 0, stairwell, nullptr};
   Eigen::AlignedBox2d box;
   for (std::size_t i = begin; i < end; ++i) {
     run.height += positions[i].z() / static_cast<double>(end - begin);
@@ -45,12 +46,17 @@ Run run_of(const std::vector<Eigen::Vector3d>& positions, const std::vector<doub
   return run;
 }
 
-// The stretches on which the path stays level; what is shorter than a run is part of a climb.
-std::vector<Run> level_runs(const std::vector<Eigen::Vector3d>& positions, const std::vector<double>& way) {
+const LiftRide* ride_to(const std::vector<LiftRide>& rides, std::size_t position) {
+  const auto found = std::find_if(rides.begin(), rides.end(), [position](const LiftRide& ride) { return ride.position == position; });
+  return found == rides.end() ? nullptr : &*found;
+}
+
+// The stretches on which the path stays level; what is shorter than a run is part of a climb, but where it was walked after a ride.
+std::vector<Run> level_runs(const std::vector<Eigen::Vector3d>& positions, const std::vector<double>& way, const std::vector<LiftRide>& rides) {
   std::vector<Run> runs;
   std::size_t begin = 0;
   for (std::size_t i = 1; i <= positions.size(); ++i) {
-    if (i < positions.size()) {
+    if (i < positions.size() && ride_to(rides, i) == nullptr) {
       double mean = 0;
       double count = 0;
       for (std::size_t k = i; k-- > begin && way[i - 1] - way[k] <= level_way;) {
@@ -59,8 +65,9 @@ std::vector<Run> level_runs(const std::vector<Eigen::Vector3d>& positions, const
       }
       if (std::abs(positions[i].z() - mean / count) <= level_band) continue;
     }
-    const Run run = run_of(positions, way, begin, i);
-    if (begin == 0 || run.way >= shortest_run) runs.push_back(run);
+    Run run = run_of(positions, way, begin, i);
+    run.ride = ride_to(rides, begin);
+    if (begin == 0 || run.ride != nullptr || run.way >= shortest_run) runs.push_back(run);
     begin = i;
   }
   return runs;
@@ -73,23 +80,42 @@ double ground_between(const std::vector<Eigen::Vector3d>& positions, const Run& 
   return length;
 }
 
-int nearest(const std::vector<double>& heights, double height) {
-  const auto nearer = [height](double a, double b) { return std::abs(a - height) < std::abs(b - height); };
-  return static_cast<int>(std::min_element(heights.begin(), heights.end(), nearer) - heights.begin());
+// Of the storeys in a group that has one.
+int nearest(const StoreysOfPath& known, int group, double height) {
+  int best = -1;
+  for (std::size_t s = 0; s < known.heights.size(); ++s) {
+    if (known.group[s] != group) continue;
+    if (best < 0 || std::abs(known.heights[s] - height) < std::abs(known.heights[static_cast<std::size_t>(best)] - height))
+      best = static_cast<int>(s);
+  }
+  return best;
+}
+
+int new_storey(StoreysOfPath& known, int group, double height) {
+  known.heights.push_back(height);
+  known.group.push_back(group);
+  return static_cast<int>(known.heights.size()) - 1;
 }
 
 // Which storey each run is on.
-void name_runs(const std::vector<Eigen::Vector3d>& positions, std::vector<Run>& runs, std::vector<double>& heights) {
+void name_runs(const std::vector<Eigen::Vector3d>& positions, std::vector<Run>& runs, StoreysOfPath& known) {
+  int group = 0;
   for (std::size_t r = 0; r < runs.size(); ++r) {
     Run& run = runs[r];
     if (r == 0) {
-      heights.push_back(run.height);
-      run.storey = 0;
+      run.storey = new_storey(known, group, run.height);
+      continue;
+    }
+    if (run.ride != nullptr) {
+      const int seen = run.ride->storey.value_or(-1);
+      const bool recognised = seen >= 0 && static_cast<std::size_t>(seen) < known.heights.size();
+      group = recognised ? known.group[static_cast<std::size_t>(seen)] : *std::max_element(known.group.begin(), known.group.end()) + 1;
+      run.storey = recognised ? seen : new_storey(known, group, run.height);
       continue;
     }
     const Run& before = runs[r - 1];
-    const int near = nearest(heights, run.height);
-    const double off = std::abs(run.height - heights[static_cast<std::size_t>(near)]);
+    const int near = nearest(known, group, run.height);
+    const double off = std::abs(run.height - known.heights[static_cast<std::size_t>(near)]);
     const double risen = std::abs(run.height - before.height);
     if (off < same_floor) {
       run.storey = near;
@@ -98,27 +124,26 @@ void name_runs(const std::vector<Eigen::Vector3d>& positions, std::vector<Run>& 
     } else if (run.extent >= widest_landing || (off >= headroom && r + 1 == runs.size())) {
       run.storey = near;
       if (off < headroom) continue;
-      run.storey = static_cast<int>(heights.size());
-      heights.push_back(run.height);
+      run.storey = new_storey(known, group, run.height);
     }
   }
 }
 
 }  // namespace
 
-StoreysOfPath find_storeys(const std::vector<Eigen::Vector3d>& positions) {
+StoreysOfPath find_storeys(const std::vector<Eigen::Vector3d>& positions, const std::vector<LiftRide>& rides) {
   StoreysOfPath result;
   if (positions.empty()) return result;
   const std::vector<double> way = ways(positions);
-  std::vector<Run> runs = level_runs(positions, way);
-  name_runs(positions, runs, result.heights);
+  std::vector<Run> runs = level_runs(positions, way, rides);
+  name_runs(positions, runs, result);
   result.storey.assign(positions.size(), stairwell);
   for (std::size_t r = 0; r < runs.size(); ++r) {
     const Run& run = runs[r];
     std::fill(result.storey.begin() + static_cast<std::ptrdiff_t>(run.begin), result.storey.begin() + static_cast<std::ptrdiff_t>(run.end),
               run.storey);
-    const bool last = r + 1 == runs.size();
-    const std::size_t end = last ? positions.size() : runs[r + 1].begin;
+    const bool last = r + 1 == runs.size() || runs[r + 1].ride != nullptr;
+    const std::size_t end = r + 1 == runs.size() ? positions.size() : runs[r + 1].begin;
     if (run.end == end) continue;
     // The climb after it.
     const auto off = [&](std::size_t i, const Run& of) { return std::abs(positions[i].z() - of.height); };

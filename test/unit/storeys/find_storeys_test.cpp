@@ -91,6 +91,42 @@ TEST(FindStoreys, AFloorThatSlopesByCentimetresIsOne) {
   for (const int storey : found.storey) EXPECT_EQ(storey, 0);
 }
 
+TEST(FindStoreys, ALiftLeadsToANewStoreyOfUnknownHeight) {
+  Walk walk;
+  walk.to(5, 0, 0);
+  const std::size_t ride = walk.path.size();
+  walk.to(5, 8, 0).to(0, 8, 0);
+  const StoreysOfPath found = find_storeys(walk.path, {{ride, std::nullopt}});
+  ASSERT_EQ(found.heights.size(), 2U);
+  EXPECT_NE(found.group[0], found.group[1]);
+  for (std::size_t i = 0; i < walk.path.size(); ++i) EXPECT_EQ(found.storey[i], i < ride ? 0 : 1);
+}
+
+TEST(FindStoreys, ALiftBackToTheFirstStoreyMakesNoThird) {
+  Walk walk;
+  walk.to(5, 0, 0);
+  const std::size_t up = walk.path.size();
+  walk.to(5, 8, 0).to(0, 8, 0).to(5, 8, 0).to(5, 0, 0);
+  const std::size_t down = walk.path.size();
+  walk.to(5, 6, 0).to(9, 6, 0);
+  const StoreysOfPath found = find_storeys(walk.path, {{up, std::nullopt}, {down, 0}});
+  EXPECT_EQ(found.heights.size(), 2U);
+  EXPECT_EQ(found.storey[down - 1], 1);
+  EXPECT_EQ(found.storey[down], 0);
+  EXPECT_EQ(found.storey.back(), 0);
+}
+
+TEST(FindStoreys, StairsFromAStoreyReachedByALiftAreComparedWithThatOneAlone) {
+  Walk walk;
+  walk.to(0, 5, 0);
+  const std::size_t ride = walk.path.size();
+  walk.to(0, 6, 0).to(0, 5, 0).stairs(0, 3).to(0, 6, 3).to(9, 6, 3);
+  const StoreysOfPath found = find_storeys(walk.path, {{ride, std::nullopt}});
+  ASSERT_EQ(found.heights.size(), 3U);
+  EXPECT_EQ(found.group[1], found.group[2]);
+  EXPECT_NE(found.group[0], found.group[1]);
+}
+
 TEST(FindStoreys, NothingOfNothing) { EXPECT_TRUE(find_storeys({}).heights.empty()); }
 
 }  // namespace

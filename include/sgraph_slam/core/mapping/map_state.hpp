@@ -25,6 +25,13 @@ struct Session {
   Matrix6 covariance = Matrix6::Identity();  ///< of its first pose in the map, as of a keyframe's motion
 };
 
+/// A lift has carried the robot; the odometry says so by a motion whose height is unknown while the way on the ground is known.
+struct KeyframeRide {
+  KeyframeId first;                          ///< the first keyframe after it
+  std::optional<int> storey = std::nullopt;  ///< where it ended, when that was seen before
+  bool settled = false;                      ///< whether that is decided
+};
+
 /// All that the back end knows: the graph, and beside it what each layer keeps. Data only; a copy is a state to come back to.
 struct MapState {
   /// `clouds`: where the keyframes' clouds go; null: they stay in memory.
@@ -44,7 +51,9 @@ struct MapState {
   TopologicalLayer layer;
   LoopCloser loops;
   std::vector<SceneOpening> openings;
-  std::size_t storeys = 0;                               ///< how many have been found
+  std::size_t storeys = 0;         ///< how many have been found
+  std::vector<int> storey_groups;  ///< of each: heights are known against each other within a group; the first's is 0
+  std::vector<KeyframeRide> rides;
   std::map<PlaneId, Eigen::Matrix3d> plane_covariances;  ///< as of the last optimisation on demand
   DecisionLog log;
   Pose T_map_odom;  ///< of the session that is going on
