@@ -18,6 +18,14 @@ constexpr double same_direction = 0.98;  // cosine between directions of which o
 }  // namespace
 
 std::optional<Keyframe> KeyframeSelector::add(const FinalScan& scan) {
+  if (scan.carried && previous_) {
+    // What was seen before the ride makes a keyframe of its own.
+    std::optional<Keyframe> before;
+    if (newest_) before = close();
+    carried_ = true;
+    hold(scan);
+    return before;
+  }
   const Pose* last = newest_ ? &newest_->T_odom_base : previous_ ? &previous_->T_odom_base : nullptr;
   if (last != nullptr) {
     path_ += (scan.T_odom_base.translation - last->translation).norm();
@@ -90,6 +98,11 @@ Keyframe KeyframeSelector::close() {
   }
   keyframe.covariance.diagonal().head<3>().array() += std::pow(drift_.rotation * path_, 2) + std::pow(drift_.turning * turned_, 2);
   keyframe.covariance.diagonal().tail<3>().array() += std::pow(drift_.translation * path_, 2);
+  if (carried_) {
+    const Eigen::Vector3d up = scan.T_odom_base.matrix().transpose().col(2);
+    keyframe.covariance.bottomRightCorner<3, 3>() += carried_sigma * carried_sigma * up * up.transpose();
+    carried_ = false;
+  }
   scan.cloud.reset();
   previous_ = std::move(scan);
   newest_.reset();

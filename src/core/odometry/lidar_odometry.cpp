@@ -109,9 +109,12 @@ WindowScan LidarOdometry::prepare(const CloudPtr& cloud) const {
   scan.begin = scan.time + firing.begin;
   scan.end = scan.time + firing.end;
   if (scan.end - scan.begin < no_times) scan.begin = scan.end = scan.time;
-  scan.keypoints = thinned(scan.cloud->points, params_.motion.keypoint_leaf);
+  // When a lift's doors open the cabin alone holds the robot, until it is known which floor they open on.
+  const CloudPtr held_by = ride_.shut() ? ride_.within_cabin(*scan.cloud, window_.knots().back().pose) : scan.cloud;
+  scan.keypoints = thinned(held_by->points, params_.motion.keypoint_leaf);
   scan.narrow = scan.keypoints.size() < fewest_keypoints;
-  if (scan.narrow) scan.keypoints = thinned(scan.cloud->points, 0.5 * params_.motion.keypoint_leaf);
+  if (scan.narrow) scan.keypoints = thinned(held_by->points, 0.5 * params_.motion.keypoint_leaf);
+  scan.in_cabin = scan.narrow && window_.started() && like_a_cabin(*scan.cloud, window_.knots().back().pose, local_.up());
   if (distributions_) scan.own = std::make_shared<SurfaceMap>(local_.map_of(*scan.cloud, {}));
   return scan;
 }
@@ -174,8 +177,23 @@ std::vector<SegmentMeasurement> LidarOdometry::measurements() const {
   for (int i = window_.first_free() - 1; i + 1 < static_cast<int>(knots.size()); ++i) {
     const Knot* knot = &knots[static_cast<std::size_t>(i)];
     for (const MeasuredMotion& m : sensors_.between(stamp_at(knot->time), stamp_at(knot[1].time))) all.push_back({i, m});
+    if (window_.newest().in_cabin) all.push_back({i, level_motion(*knot, knot[1])});
   }
   return all;
+}
+
+// A cabin's floor is level: between two knots height and tilt change by a gait's sway alone, which matters where no floor is seen.
+MeasuredMotion LidarOdometry::level_motion(const Knot& begin, const Knot& end) const {
+  constexpr double sway = 0.003;    // [rad] and
+  constexpr double bounce = 0.004;  // [m] in 50 ms
+  const double growth = (end.time - begin.time) / 0.05;
+  const Eigen::Vector3d up = begin.pose.rotation.conjugate() * local_.up();
+  MeasuredMotion level;
+  level.motion = {};
+  level.information.setZero();
+  level.information.topLeftCorner<3, 3>() = (Eigen::Matrix3d::Identity() - up * up.transpose()) / (sway * sway * growth);
+  level.information.bottomRightCorner<3, 3>() = up * up.transpose() / (bounce * bounce * growth);
+  return level;
 }
 
 // A gyro measures how the rotation changes; the prior, which only guesses that it hardly does, would outvote it where the sensor is tipped at once:
@@ -201,6 +219,7 @@ WindowResult LidarOdometry::solve(const RigidAlignmentResult& alignment) {
   options.distributions = distributions_;
   options.iterations = params_.motion.iterations;
   options.noise = local_.noise();
+  options.plumb = window_.newest().in_cabin;
   options.patch_effect = patch_effect(points_on_patch((window_.newest().narrow ? 0.5 : 1.0) * params_.motion.keypoint_leaf));
   options.kernel = std::max(params_.motion.kernel, 3.0 * local_.map().noise());
   WindowResult result = solve_window(local_.map(), problem, options);
@@ -292,6 +311,9 @@ FinalScan LidarOdometry::make_oldest_final() {
   final.covariance = scan.covariance;
   final.degenerate = scan.degenerate;
   final.accepted = scan.accepted;
+  final.carried = scan.accepted && ride_.see(*final.cloud, T_odom_lidar, local_.up());
+  if (final.carried) local_.clear();  // nothing that was seen on the floor before helps on this one
+  if (ride_.shut()) final.cloud = ride_.within_cabin(*final.cloud, T_odom_lidar);
   if (scan.enters_map) local_.insert(*final.cloud, T_odom_lidar, scan.after_gap || !scan.accepted ? Placing::unsure : Placing::sure);
   final.T_odom_base = T_odom_stamp * T_lidar_base_;
   if (scan.middle) final.cloud = moved(*final.cloud, T_odom_stamp.inverse() * T_odom_lidar);

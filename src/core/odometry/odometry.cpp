@@ -31,6 +31,8 @@ KeyframeParams keyframe_params(const OdometryParams& params) {
 // Scale, heading and slips of wheels or legs, which hardly average out.
 DriftRate reckoning_drift(const RobotParams& robot) { return {robot.odometry_heading, robot.odometry_turning, robot.odometry_scale}; }
 
+constexpr double far_above = 50;  // [m]: higher than anything that is seen from one floor
+
 // Poses from wheels are off by more than what the beams are.
 CalibrationParams calibration_params(const OdometryParams& params) {
   CalibrationParams calibration = params.calibration;
@@ -79,7 +81,10 @@ class Odometry::Implementation {
  private:
   void take(const FinalScan& final, OdometryOutput& output) {
     output.finals.push_back({final.stamp, final.T_odom_base});
-    if (final.accepted) calibrator_.add(*final.cloud, final.T_odom_base * T_base_lidar_);
+    if (final.carried) above_.z() += far_above;
+    Pose T_odom_lidar = final.T_odom_base * T_base_lidar_;
+    T_odom_lidar.translation += above_;
+    if (final.accepted) calibrator_.add(*final.cloud, T_odom_lidar);
     if (auto keyframe = keyframes_.add(final)) give(*std::move(keyframe), output);
   }
 
@@ -93,6 +98,7 @@ class Odometry::Implementation {
   std::unique_ptr<MotionSource> source_;
   KeyframeSelector keyframes_;
   KeyframeRegistration registration_;
+  Eigen::Vector3d above_ = Eigen::Vector3d::Zero();  // where the calibrator sees the floor that a lift came to: walls of two floors are not one plane
 };
 
 Odometry::Odometry(const OdometryParams& params, const Pose& T_base_lidar)

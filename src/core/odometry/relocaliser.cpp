@@ -9,6 +9,7 @@ namespace {
 
 constexpr double poor_share = 0.7;      // of the usual share of matches: below it other starts are tried,
 constexpr double poor_after_gap = 0.9;  // and below this one after a gap
+constexpr double near_kernel = 0.15;    // [m] in a cabin, where the robot is slow
 constexpr double clearly_better = 1.1;  // support that another start must have
 
 // Every second keypoint where the predicted motion puts it.
@@ -33,6 +34,11 @@ RigidAlignmentResult find_start(const MapUpdater& local, const Acceptance& accep
   RigidAlignmentOptions options;
   options.noise = local.noise();
   options.kernel_begin = acceptance.rejected() > 0 ? 1.0 : 0.5;
+  if (scan.in_cabin) {
+    // Nothing but a few wrong matches would hold the height: points of walls on floors half a metre away.
+    options.plumb_along = local.up();
+    options.kernel_begin = near_kernel;
+  }
   options.kernel_end = std::max(0.1, 4.0 * local.noise());
   RigidAlignmentResult best = align_rigidly(local.map(), points, options);
   const bool far_ahead = scan.end - query.last_end > long_gap;

@@ -67,7 +67,7 @@ WindowScan ScanWindow::pop() {
 void ScanWindow::start_from(const RigidAlignmentResult& alignment, double from) {
   scans_.back().observable = alignment.held;
   VelocityPrior widened = prior();
-  const double change = scans_.back().narrow ? change_where_narrow : usual_change;
+  const double change = scans_.back().narrow && !scans_.back().in_cabin ? change_where_narrow : usual_change;
   widened.rotated = so3_log(alignment.correction.rotation) / change;
   widened.translated = alignment.moved / change;
   for (std::size_t i = static_cast<std::size_t>(first_free_) - 1; i < knots_.size(); ++i) {

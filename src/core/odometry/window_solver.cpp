@@ -133,6 +133,11 @@ class Problem {
       const Vector3d p = arm + sensor;
       l.newest += point.newest;
       const Surface* surface = matches_[i].find(map_, p, sensor, gate);
+      std::optional<Surface> stood;
+      if (options_.plumb && surface != nullptr) {
+        stood = plumb(*surface, problem_.up);
+        surface = stood ? &*stood : nullptr;
+      }
       if (surface == nullptr) {
         l.cost += k2 * information;  // where Geman-McClure levels off: losing a match never pays
         continue;

@@ -54,17 +54,23 @@ struct Step {
 
 // Residuals of the points moved by `correction`, linearised at a turn about `center` and a shift.
 Step linearise(const SurfaceMap& map, const std::vector<SeenPoint>& points, const Pose& correction, const Vector3d& center, double kernel,
-               double noise, Reach reach, std::vector<CachedMatch>& matches) {
+               const RigidAlignmentOptions& options, std::vector<CachedMatch>& matches) {
   Step step;
   const double k2 = kernel * kernel;
-  const double information = 1.0 / (noise * noise);
+  const double information = 1.0 / (options.noise * options.noise);
   const Eigen::Matrix3d rotation = correction.matrix();
   for (std::size_t i = 0; i < points.size(); ++i) {
     const SeenPoint& seen = points[i];
     const Vector3d p = rotation * seen.point + correction.translation;
     const Vector3d sensor = rotation * seen.sensor + correction.translation;
-    const Surface* surface = matches[i].find(map, p, sensor, 2.0 * kernel, reach);
+    const Surface* surface = matches[i].find(map, p, sensor, 2.0 * kernel, options.reach);
     if (surface == nullptr) continue;
+    std::optional<Surface> stood;
+    if (options.plumb_along) {
+      stood = plumb(*surface, *options.plumb_along);
+      if (!stood) continue;
+      surface = &*stood;
+    }
     const double r = surface->distance(p);
     const double r2 = r * r;
     if (r2 < k2) {
@@ -81,6 +87,20 @@ Step linearise(const SurfaceMap& map, const std::vector<SeenPoint>& points, cons
   }
   step.h.triangularView<Eigen::StrictlyUpper>() = step.h.transpose();
   return step;
+}
+
+// Projection of a step onto turns about the vertical and shifts on the ground.
+Matrix6 planar_steps(const Vector3d& up) {
+  Matrix6 planar = Matrix6::Zero();
+  planar.topLeftCorner<3, 3>() = up * up.transpose();
+  planar.bottomRightCorner<3, 3>() = Eigen::Matrix3d::Identity() - up * up.transpose();
+  return planar;
+}
+
+Matrix6 without_height(const Vector3d& up) {
+  Matrix6 level = Matrix6::Identity();
+  level.bottomRightCorner<3, 3>() -= up * up.transpose();
+  return level;
 }
 
 // Geometric mean of the support in three directions. What little an open direction has is chance: below a floor all count the same.
@@ -124,13 +144,19 @@ RigidAlignmentResult align_rigidly(const SurfaceMap& map, const std::vector<Seen
   std::vector<CachedMatch> matches(points.size());
   const auto advance = [&](double along) {
     const double kernel = options.kernel_begin * std::pow(options.kernel_end / options.kernel_begin, along);
-    const Step at = linearise(map, points, result.correction, center, kernel, options.noise, options.reach, matches);
+    const Step at = linearise(map, points, result.correction, center, kernel, options, matches);
     result.inlier_share = static_cast<double>(at.inliers) / static_cast<double>(points.size());
     result.support = support_of(at.normals / static_cast<double>(points.size()));
     result.free_directions = weak_directions(at.h - at.chance.of(options.normal_sigma), options.arm, options.held_sigma, &result.held);
     Matrix6 h = at.h;
     h.diagonal().array() += 1e-6;  // the weak directions are projected away; this only keeps the solution finite
-    const Vector6 step = -result.held * h.ldlt().solve(at.b);
+    Vector6 b = at.b;
+    if (options.plumb_along) {
+      result.held = planar_steps(*options.plumb_along);
+      h = result.held * h * result.held + Matrix6::Identity() - result.held;
+      b = result.held * b;
+    }
+    const Vector6 step = -result.held * h.ldlt().solve(b);
     if (!step.allFinite()) return false;
     const Eigen::Quaterniond turn = so3_exp(step.head<3>());
     const Pose move{turn, center - turn * center + step.tail<3>()};
@@ -152,6 +178,7 @@ RigidAlignmentResult align_rigidly(const SurfaceMap& map, const std::vector<Seen
     result.correction = {turn, center - turn * begin};
     for (int i = 0; finite && i < 2; ++i) finite = advance(1.0);
   }
+  if (options.plumb_along) result.held = without_height(*options.plumb_along);
   result.held_directions = 6 - static_cast<int>(result.free_directions.size());
   result.rotation = so3_log(result.correction.rotation).norm();
   result.moved = result.correction * begin - begin;

@@ -7,6 +7,7 @@
 #include "sgraph_slam/core/odometry/map_updater.hpp"
 #include "sgraph_slam/core/odometry/motion_sensors.hpp"
 #include "sgraph_slam/core/odometry/motion_source.hpp"
+#include "sgraph_slam/core/odometry/ride_detector.hpp"
 #include "sgraph_slam/core/odometry/scan_window.hpp"
 
 namespace sgraph {
@@ -33,6 +34,7 @@ class LidarOdometry : public MotionSource {
   void find_first_motion(const WindowScan& second);
   [[nodiscard]] Pose predicted(double time, bool gap) const;
   [[nodiscard]] std::vector<SegmentMeasurement> measurements() const;
+  [[nodiscard]] MeasuredMotion level_motion(const Knot& begin, const Knot& end) const;
   void loosen_prior(WindowProblem& problem) const;
   WindowResult solve(const RigidAlignmentResult& alignment);
   void keep_prediction(const Knots& predicted, const AcceptanceVerdict& verdict, WindowScan& scan);
@@ -53,6 +55,7 @@ class LidarOdometry : public MotionSource {
   MotionSensors sensors_;
   MapUpdater local_;
   ScanWindow window_;
+  RideDetector ride_;
   Acceptance acceptance_;
   std::optional<Stamp> origin_;  // zero of the knots' time
   Stamp last_stamp_;

@@ -22,6 +22,7 @@ struct WindowScan {
   bool enters_map = true;                    ///< when it leaves the window
   bool after_gap = false;                    ///< in time: its start was searched for
   bool narrow = false;                       ///< so few keypoints that all that is seen is near
+  bool in_cabin = false;                     ///< near on all sides but at most one, and no floor nearby is seen: walls alone hold it
   Matrix6 covariance = Matrix6::Zero();      ///< of its pose, base frame
   std::vector<Vector6> degenerate;           ///< directions that its points don't hold, base frame
   Matrix6 observable = Matrix6::Identity();  ///< projection of a knot's step onto the directions that its points hold, odom's axes

@@ -52,6 +52,7 @@ struct WindowOptions {
   double start_scale = 3.0;    ///< the kernel begins this much wider
   bool distributions = false;  ///< residual between two Gaussians instead of along the surface's normal (VGICP, Koide et al. 2021)
   double gate_scale = 3.0;     ///< points farther than this many kernels from a surface don't match
+  bool plumb = false;          ///< walls count as plumb (`plumb`)
 };
 
 struct WindowResult {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include <Eigen/Core>
@@ -24,6 +25,8 @@ struct RigidAlignmentOptions {
   double normal_sigma = 0.03;  ///< error of the map's normals that must not pass for information [rad]
   double arm = 5.0;            ///< [m]
   Reach reach = Reach::wide;
+  /// Unit vertical, where walls alone hold the sensor: they count as plumb (`plumb`), it is moved on the ground alone, and nothing holds its height.
+  std::optional<Eigen::Vector3d> plumb_along;
   Pose start;  ///< correction to begin with
 };
 

@@ -48,6 +48,20 @@ struct alignas(64) Surface {
   [[nodiscard]] double distance(const Eigen::Vector3d& p) const { return normal.dot(p) + offset; }
 };
 
+/// A wall's surface with its normal level, through the same middle; floors and ceilings as they are; nothing for what is neither. A wall that is seen
+/// as a low stripe alone leans by chance, and would hold the height, as would a patch of wall and floor together.
+inline std::optional<Surface> plumb(const Surface& surface, const Eigen::Vector3d& up) {
+  constexpr double of_wall = 0.2;   // largest part of a normal along the vertical
+  constexpr double of_floor = 0.9;  // least
+  const double slope = up.dot(surface.normal);
+  if (std::abs(slope) > of_floor) return surface;
+  if (std::abs(slope) > of_wall) return std::nullopt;
+  Surface wall = surface;
+  wall.normal = (surface.normal - slope * up).normalized();
+  wall.offset = -wall.normal.dot(surface.mean);
+  return wall;
+}
+
 /// Where a point looks for its surface.
 enum class Reach {
   own,         ///< in the voxels around it

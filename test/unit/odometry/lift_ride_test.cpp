@@ -1,0 +1,80 @@
+// A ride in a simulated lift: the odometry tells it, and keeps place and heading.
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <vector>
+
+#include "sgraph_slam/core/odometry/odometry.hpp"
+#include "sgraph_slam/core/prefilter/prefilter.hpp"
+#include "sgraph_slam/core/sim/simulator.hpp"
+
+namespace sgraph {
+namespace {
+
+const char* const two_floors = R"(
+storeys:
+  - elevation: 0
+    height: 2.8
+    walls: [[[0, 0], [10, 0], [10, 6], [0, 6], [0, 0]], [[7, 0], [7, 6]]]
+    doors: [{at: [7, 3], width: 1.0, top: 2.0}]
+  - elevation: 3.2
+    height: 2.8
+    walls: [[[0, 0], [10, 0], [10, 6], [0, 6], [0, 0]], [[7, 0], [7, 6]], [[4.5, 0], [4.5, 6]]]
+    doors: [{at: [7, 3], width: 1.0, top: 2.0}, [4.5, 3]]
+lifts: [{low: [7.2, 2.2], high: [9, 3.8], door: [7.2, 3], door_width: 1.0}]
+route: {stand: 1, return: false, waypoints: [[3, 3], {at: [8, 3], ride: 1}, [5.5, 3], [5.5, 1.5]]}
+)";
+
+struct Followed {
+  Trajectory finals;
+  Trajectory truth;
+  std::vector<Keyframe> keyframes;
+};
+
+Followed follow(const sim::World& world) {
+  const sim::Motion motion = sim::motion_along_route(world);
+  const int count = static_cast<int>(10 * motion.duration()) - 2;
+  const Prefilter prefilter({});
+  std::unique_ptr<Odometry> odometry;
+  Followed run;
+  const auto take = [&run](const OdometryOutput& output) {
+    run.finals.insert(run.finals.end(), output.finals.begin(), output.finals.end());
+    run.keyframes.insert(run.keyframes.end(), output.keyframes.begin(), output.keyframes.end());
+  };
+  for (int first = 0; first < count; first += 50) {  // a piece of it in memory at a time
+    const sim::SimulatedScans scans = sim::simulate_scans(world, std::min(50, count - first), {}, first);
+    if (!odometry) odometry = std::make_unique<Odometry>(OdometryParams{}, scans.T_base_lidar);
+    for (const CloudPtr& scan : scans.scans) take(odometry->process(prefilter.process(*scan).cloud));
+    run.truth.insert(run.truth.end(), scans.truth.begin(), scans.truth.end());
+  }
+  take(odometry->finish());
+  return run;
+}
+
+TEST(LiftRide, IsToldAndKeepsPlaceAndHeading) {
+  const sim::World world = sim::parse_world(two_floors);
+  const Followed run = follow(world);
+  ASSERT_EQ(run.finals.size(), run.truth.size());
+  int rides = 0;
+  for (const Keyframe& keyframe : run.keyframes) {
+    const Eigen::Vector3d up = keyframe.T_odom_base.matrix().transpose().col(2);
+    if (up.dot(keyframe.covariance.bottomRightCorner<3, 3>() * up) < 50) continue;
+    ++rides;
+    const Eigen::Matrix3d on_ground = Eigen::Matrix3d::Identity() - up * up.transpose();
+    EXPECT_LT((on_ground * keyframe.covariance.bottomRightCorner<3, 3>() * on_ground).trace(), 0.1);
+  }
+  EXPECT_EQ(rides, 1);
+  const Pose T_truth_odom = run.truth.front().pose * run.finals.front().pose.inverse();
+  const Pose end = T_truth_odom * run.finals.back().pose;
+  const Pose truth = run.truth.back().pose;
+  EXPECT_LT((end.translation - truth.translation).head<2>().norm(), 0.02);
+  const Eigen::Quaterniond error = end.rotation * truth.rotation.conjugate();
+  EXPECT_LT(std::abs(2 * error.z()), 0.1 * M_PI / 180);
+  EXPECT_LT(2 * error.vec().head<2>().norm(), 0.75 * M_PI / 180);
+}
+
+}  // namespace
+}  // namespace sgraph
