@@ -17,7 +17,11 @@ MeasuredScan FrontEnd::process(const Cloud& raw) {
   clock.book(Stage::odometry, scan.record.cost);
   scan.record.verdict = scan.odometry.verdict;
   scan.record.keyframes = static_cast<int>(scan.odometry.keyframes.size());
-  if (scan.odometry.verdict == ScanVerdict::accepted) scan.record.odometry = scan.odometry.live;
+  if (scan.odometry.verdict == ScanVerdict::accepted) {
+    const OdometryEstimate& live = scan.odometry.live;
+    scan.record.motion = {live.status, static_cast<float>(live.inlier_share), static_cast<float>(live.residual_rms), live.iterations,
+                          !live.degenerate.empty()};
+  }
   return scan;
 }
 

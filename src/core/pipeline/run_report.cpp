@@ -110,9 +110,9 @@ RunReport make_report(const Run& run, const RunInfo& info) {
     if (record.verdict != ScanVerdict::accepted) {
       ++report.dropped[to_string(record.verdict)];
     } else if (run.until() >= Stage::odometry) {
-      ++report.odometry_status[to_string(record.odometry.status)];
+      ++report.odometry_status[to_string(record.motion.status)];
       ++report.accepted;
-      report.degenerate += !record.odometry.degenerate.empty();
+      report.degenerate += record.motion.degenerate;
     }
   }
   const GraphSnapshotPtr snapshot = run.snapshot();
@@ -213,9 +213,9 @@ std::string timings_csv(const std::vector<ScanRecord>& records) {
     const std::int64_t ns = record.stamp.nanoseconds;
     text << format("%lld.%09lld", static_cast<long long>(ns / 1'000'000'000), static_cast<long long>(ns % 1'000'000'000));
     for (const double ms : record.cost.wall) text << format(",%.3f", ms);
-    const OdometryEstimate& odometry = record.odometry;
+    const MotionQuality& motion = record.motion;
     text << format(",%d,%d,%s,%s,%.3f,%.4f,%d,%d,%d\n", record.counts.input, record.counts.kept, to_string(record.verdict),
-                   to_string(odometry.status), odometry.inlier_share, odometry.residual_rms, odometry.iterations, record.keyframes, record.segments);
+                   to_string(motion.status), motion.inlier_share, motion.residual_rms, motion.iterations, record.keyframes, record.segments);
   }
   return text.str();
 }

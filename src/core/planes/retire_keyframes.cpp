@@ -112,10 +112,11 @@ struct Successor {
   std::vector<FactorId> taken_over;
 };
 
-std::optional<Successor> successor_of(const Graph& graph, Views& views, KeyframeId id, const std::vector<KeyframeId>& at_spot) {
+// A view that half of `enough` others show goes, as does one that the successor shows.
+std::optional<Successor> successor_of(const Graph& graph, Views& views, KeyframeId id, const std::vector<KeyframeId>& at_spot, std::size_t enough) {
   const std::vector<View>& own = views.of(id);
   std::map<KeyframeId, std::size_t> shown_by;
-  Successor found;
+  std::vector<const View*> rare;
   for (const View& view : own) {
     std::size_t count = 0;
     for (const KeyframeId other : at_spot) {
@@ -123,11 +124,14 @@ std::optional<Successor> successor_of(const Graph& graph, Views& views, Keyframe
       ++count;
       ++shown_by[other];
     }
-    if (2 * count < at_spot.size()) found.taken_over.push_back(view.factor);
+    if (2 * count < enough) rare.push_back(&view);
   }
-  if (own.empty() || 2 * found.taken_over.size() > own.size()) return std::nullopt;
+  if (shown_by.empty() || 2 * rare.size() > own.size()) return std::nullopt;
   const auto fewer = [](const auto& a, const auto& b) { return a.second < b.second; };
-  found.keyframe = std::max_element(shown_by.begin(), shown_by.end(), fewer)->first;
+  Successor found{std::max_element(shown_by.begin(), shown_by.end(), fewer)->first, {}};
+  for (const View* view : rare) {
+    if (!shows(graph, views.of(found.keyframe), *view)) found.taken_over.push_back(view->factor);
+  }
   return found;
 }
 
@@ -141,8 +145,9 @@ std::vector<KeyframeId> near(const Graph& graph, const std::vector<KeyframeId>& 
 
 bool retire(Committer& committer, PlaneLayer& planes, KeyframeId id, const Joints& joints, const std::vector<KeyframeId>& at_spot) {
   const Graph& graph = committer.graph;
+  const auto enough = static_cast<std::size_t>(planes.params.factors.spot_keyframes);
   Views views(graph, planes.map);
-  const std::optional<Successor> successor = successor_of(graph, views, id, at_spot);
+  const std::optional<Successor> successor = successor_of(graph, views, id, at_spot, enough);
   if (!successor) return false;
   Transaction edit;
   edit.reason = "retire keyframe/" + std::to_string(id.value);

@@ -26,13 +26,22 @@ struct StageCost {
   StageCost& operator+=(const StageCost& other);
 };
 
+/// How well a scan's motion was found. Kept of every scan, so without its pose and covariance.
+struct MotionQuality {
+  OdometryStatus status = OdometryStatus::started;
+  float inlier_share = 0;  ///< share of the keypoints that found the map
+  float residual_rms = 0;  ///< of the matched keypoints along the normals [m]
+  int iterations = 0;
+  bool degenerate = false;  ///< along some direction
+};
+
 /// What one scan cost and brought; a row of timings.csv.
 struct ScanRecord {
   Stamp stamp;
   StageCost cost;
   PrefilterCounts counts;
   ScanVerdict verdict = ScanVerdict::accepted;
-  OdometryEstimate odometry;
+  MotionQuality motion;
   int keyframes = 0;  ///< closed with this scan
   int segments = 0;   ///< planes seen in their clouds
 };
