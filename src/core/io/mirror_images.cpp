@@ -84,10 +84,6 @@ struct Wall {
   std::vector<std::uint8_t> returns;  // bit k: something was seen where a pane would be k steps behind the face
   std::vector<int> hole;              // number of the hole that a cell belongs to; -1: none
 
-  [[nodiscard]] Eigen::Vector3d cell_center(std::uint32_t i) const {
-    const Eigen::Vector2d at = corner + cell * Eigen::Vector2d(static_cast<int>(i) % columns + 0.5, static_cast<int>(i) / columns + 0.5);
-    return at.x() * along + at.y() * up - plane.d * plane.normal;
-  }
   [[nodiscard]] std::optional<std::uint32_t> cell_at(const Eigen::Vector3d& p) const {
     const double column = (along.dot(p) - corner.x()) / cell;
     const double row = (up.dot(p) - corner.y()) / cell;
