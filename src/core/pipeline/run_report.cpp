@@ -214,8 +214,8 @@ std::string timings_csv(const std::vector<ScanRecord>& records) {
     text << format("%lld.%09lld", static_cast<long long>(ns / 1'000'000'000), static_cast<long long>(ns % 1'000'000'000));
     for (const double ms : record.cost.wall) text << format(",%.3f", ms);
     const MotionQuality& motion = record.motion;
-    text << format(",%d,%d,%s,%s,%.3f,%.4f,%d,%d,%d\n", record.counts.input, record.counts.kept, to_string(record.verdict),
-                   to_string(motion.status), motion.inlier_share, motion.residual_rms, motion.iterations, record.keyframes, record.segments);
+    text << format(",%d,%d,%s,%s,%.3f,%.4f,%d,%d,%d\n", record.counts.input, record.counts.kept, to_string(record.verdict), to_string(motion.status),
+                   motion.inlier_share, motion.residual_rms, motion.iterations, record.keyframes, record.segments);
   }
   return text.str();
 }
