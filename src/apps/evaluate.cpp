@@ -162,11 +162,7 @@ void run(const Options& options) {
   std::cout << std::endl;
 }
 
-}  // namespace
-
-int main(int argc, char** argv) {
-  Options options;
-  CLI::App app("Measures a run folder against the ground truth of its recording");
+void declare(CLI::App& app, Options& options) {
   app.add_option("run", options.run, "run folder")->required()->check(CLI::ExistingDirectory);
   app.add_option("--truth", options.truth, "folder with ground_truth.tum and, for map and rooms, truth.json")
       ->required()
@@ -180,16 +176,24 @@ int main(int argc, char** argv) {
   app.add_flag("--true-associations", options.true_associations,
                "optimise the graph once more with the truth's associations of walls, and say what the mapping's cost");
   app.add_flag("!--no-picture", options.picture, "don't draw evaluation.png");
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
   try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? 0 : 1;
-  }
-  try {
+    Options options;
+    CLI::App app("Measures a run folder against the ground truth of its recording");
+    declare(app, options);
+    try {
+      app.parse(argc, argv);
+    } catch (const CLI::ParseError& error) {
+      return app.exit(error) == 0 ? 0 : 1;
+    }
     run(options);
     return 0;
   } catch (const std::exception& error) {
-    std::cerr << "evaluate: " << error.what() << "\n";
+    std::fprintf(stderr, "evaluate: %s\n", error.what());
     return 1;
   }
 }

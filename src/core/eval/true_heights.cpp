@@ -2,6 +2,7 @@
 
 #include <map>
 #include <set>
+#include <vector>
 
 #include "sgraph_slam/core/eval/trajectory_error.hpp"
 #include "sgraph_slam/core/types/storey.hpp"
@@ -15,15 +16,21 @@ struct Stretch {
   bool ride;
 };
 
+// A ride goes between two storeys of which one's height is unknown; keyframes between them that are on neither are part of it.
 std::map<Stamp, Stretch> stretches_of(const GraphSnapshot& graph, const std::set<int>& unknown) {
   std::map<Stamp, Stretch> stretches;
+  int last = 0;                   // storey, or the stairwell
+  std::vector<Stretch*> between;  // since then
   for (const auto& [id, keyframe] : graph.keyframes) {
-    if (!stretches.empty()) {
-      Stretch& before = stretches.rbegin()->second;
-      const bool other = before.storey != keyframe.storey && before.storey != stairwell && keyframe.storey != stairwell;
-      before.ride = other && (unknown.count(before.storey) != 0 || unknown.count(keyframe.storey) != 0);
+    Stretch& here = stretches[keyframe.stamp] = {keyframe.storey, false};
+    if (keyframe.storey != stairwell) {
+      const bool known = unknown.count(last) == 0 && unknown.count(keyframe.storey) == 0;
+      const bool ride = stretches.size() > 1 && !known && (last != keyframe.storey || between.size() > 1);
+      for (Stretch* stretch : between) stretch->ride = ride;
+      between.clear();
+      last = keyframe.storey;
     }
-    stretches[keyframe.stamp] = {keyframe.storey, false};
+    between.push_back(&here);
   }
   return stretches;
 }

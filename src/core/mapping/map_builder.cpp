@@ -14,6 +14,7 @@
 #include "sgraph_slam/core/places/place_factors.hpp"
 #include "sgraph_slam/core/places/topology.hpp"
 #include "sgraph_slam/core/planes/drop_planes.hpp"
+#include "sgraph_slam/core/planes/level_floors.hpp"
 #include "sgraph_slam/core/planes/merge_duplicates.hpp"
 #include "sgraph_slam/core/planes/retire_keyframes.hpp"
 #include "sgraph_slam/core/storeys/find_storeys.hpp"
@@ -204,8 +205,18 @@ void MapBuilder::solve_window() {
   note(state_.recent.solve(state_.graph, state_.params.solving.window, options));
 }
 
+// The storeys whose height against the first is unknown.
+std::vector<int> MapBuilder::storeys_by_lift() const {
+  std::vector<int> storeys;
+  for (std::size_t k = 0; k < state_.storey_groups.size(); ++k) {
+    if (state_.storey_groups[k] != 0) storeys.push_back(static_cast<int>(k));
+  }
+  return storeys;
+}
+
 void MapBuilder::solve_global(int iterations, bool all_pairs) {
   drop_passing_planes(committer_, state_.planes, all_pairs);
+  level_floors(committer_, state_.planes.map, storeys_by_lift());
   SolverOptions options;
   options.max_iterations = iterations;
   note(solve(state_.graph, options));

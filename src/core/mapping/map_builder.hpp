@@ -49,6 +49,7 @@ class MapBuilder {
   void note(const SolveSummary& summary);
   void solve_window();
   void solve_global(int iterations, bool all_pairs = false);
+  [[nodiscard]] std::vector<int> storeys_by_lift() const;
   void retire_known();
   [[nodiscard]] std::vector<Wall> counted_walls(int storey) const;
   void update_frame();

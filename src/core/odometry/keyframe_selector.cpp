@@ -101,6 +101,7 @@ Keyframe KeyframeSelector::close() {
   if (carried_) {
     const Eigen::Vector3d up = scan.T_odom_base.matrix().transpose().col(2);
     keyframe.covariance.bottomRightCorner<3, 3>() += carried_sigma * carried_sigma * up * up.transpose();
+    keyframe.covariance.topLeftCorner<3, 3>() += carried_tilt * carried_tilt * (Eigen::Matrix3d::Identity() - up * up.transpose());
     carried_ = false;
   }
   scan.cloud.reset();

@@ -11,6 +11,8 @@ namespace {
 
 constexpr std::array<RoomSide, 4> room_sides{RoomSide::x_low, RoomSide::x_high, RoomSide::y_low, RoomSide::y_high};
 
+constexpr double floor_normal = 0.9;  // vertical part, at least; places ask for walls only
+
 using PairSet = std::set<PlanePair>;
 
 PlanePair ordered(PlaneId a, PlaneId b) { return a < b ? PlanePair{a, b} : PlanePair{b, a}; }
@@ -73,11 +75,13 @@ void synchronise_pairs(const Graph& graph, PairSet wanted, const TopologyParams&
   }
 }
 
-// Pairs that are the faces of one wall: their parallel factors belong to the thickness.
-std::set<PlanePair> face_pairs(const Graph& graph) {
+// Pairs whose parallel factors no place asks for: the faces of one wall, where they belong to the thickness, and floors of two storeys.
+std::set<PlanePair> other_parallels(const Graph& graph) {
   std::set<PlanePair> pairs;
   for (const auto& [id, factor] : graph.factors()) {
     if (const auto* wall = std::get_if<WallThickness>(&factor.data)) pairs.insert(ordered(wall->a, wall->b));
+    const auto* parallel = std::get_if<ParallelPlanes>(&factor.data);
+    if (parallel != nullptr && graph.find(parallel->a)->normal.z() > floor_normal) pairs.insert(ordered(parallel->a, parallel->b));
   }
   return pairs;
 }
@@ -129,7 +133,7 @@ Transaction synchronise_topology(const Graph& graph, const TopologicalLayer& lay
         params.wall_sigma, edit);
   }
   Relations wanted = wanted_relations(graph, layer, planes, params);
-  synchronise_pairs<ParallelPlanes>(graph, std::move(wanted.parallel), params, face_pairs(graph), edit);
+  synchronise_pairs<ParallelPlanes>(graph, std::move(wanted.parallel), params, other_parallels(graph), edit);
   synchronise_pairs<PerpendicularPlanes>(graph, std::move(wanted.perpendicular), params, {}, edit);
   return edit;
 }

@@ -58,6 +58,9 @@ bool shows(const Graph& graph, const std::vector<View>& views, const View& wante
   });
 }
 
+// Whether a motion is known to better than a metre: not that of a ride in a lift.
+bool is_known(const Se3Between& motion) { return motion.weight.information().inverse().diagonal().tail<3>().maxCoeff() < 1; }
+
 // What joins a keyframe to others.
 struct Joints {
   std::vector<FactorId> before;  // odometry
@@ -73,6 +76,7 @@ Joints joints_of(const Graph& graph, KeyframeId id) {
     if (between == nullptr) continue;
     if (between->source == Se3Between::Source::odometry) {
       (between->to == id ? joints.before : joints.after).push_back(factor);
+      joints.held_by_others |= !is_known(*between);  // it says where a storey begins
     } else if (between->source == Se3Between::Source::retired && between->to == id) {
       joints.retired = true;
     } else {

@@ -4,6 +4,8 @@
 
 #include <cmath>
 
+#include "sgraph_slam/core/types/storey.hpp"
+
 namespace sgraph {
 namespace {
 
@@ -46,6 +48,21 @@ TEST(TrueHeights, AStoreyOfUnknownHeightIsMovedWhereItIsAndTheRideLeftOut) {
     EXPECT_NEAR(std::abs(moved[i].pose.translation.x() - truth.pose.translation.x()), 0.01, 1e-9);  // other errors stay
     EXPECT_NEAR(moved[i].pose.translation.z(), truth.pose.translation.z(), 0.012);
   }
+}
+
+// On the way into a cabin the path may seem to climb, and what is taken there is on no storey.
+TEST(TrueHeights, WhatIsOnNoStoreyBesideARideIsPartOfIt) {
+  Ride r = ride(false);
+  SceneKeyframe keyframe;
+  keyframe.id = {12};
+  keyframe.stamp = Stamp::from_seconds(12);
+  keyframe.storey = stairwell;
+  r.graph.keyframes[keyframe.id] = keyframe;
+  r.graph.keyframes.at({15}).storey = stairwell;
+  const Trajectory moved = at_true_heights(r.estimate, r.truth, r.graph);
+  ASSERT_EQ(moved.size(), 19U);
+  EXPECT_EQ(moved[8].stamp, Stamp::from_seconds(9));
+  EXPECT_EQ(moved[9].stamp, Stamp::from_seconds(16));
 }
 
 TEST(TrueHeights, KnownHeightsAreComparedAsTheyAre) {

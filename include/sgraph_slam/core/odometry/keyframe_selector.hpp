@@ -22,6 +22,8 @@ struct FinalScan {
 
 /// Standard deviation of the height of a keyframe's motion in which a lift carried the robot [m]: nothing is known of it.
 constexpr double carried_sigma = 10.0;
+/// And of its tilt [rad]: a cabin's walls, without floor and ceiling, hold it to a degree or two.
+constexpr double carried_tilt = 0.035;
 
 /// What an odometry adds to the uncertainty of a motion by the way that it takes; standard deviations.
 struct DriftRate {

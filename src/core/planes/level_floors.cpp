@@ -1,0 +1,52 @@
+#include "sgraph_slam/core/planes/level_floors.hpp"
+
+#include <algorithm>
+#include <optional>
+
+namespace sgraph {
+namespace {
+
+constexpr double level = 0.005;   // [rad] to which floors are laid, and to which a large one is seen
+constexpr double let_go = 2.5;    // of these: a floor that slopes pulls with a limited force
+constexpr std::size_t views = 3;  // of a floor
+
+std::optional<PlaneId> largest_floor(const Graph& graph, const PlaneMap& planes, int storey) {
+  std::optional<PlaneId> largest;
+  double most = 0;
+  for (const auto& [id, record] : planes.records()) {
+    const Plane* plane = graph.find(id);
+    if (plane == nullptr || record.storey != storey || record.plane_class != PlaneClass::horizontal || plane->normal.z() < 0) continue;
+    const double area = outline_area(record.outline);
+    if (record.keyframes.size() < views || area <= most) continue;
+    most = area;
+    largest = id;
+  }
+  return largest;
+}
+
+bool joined(const Graph& graph, const PlaneMap& planes, int storey) {
+  return std::any_of(graph.factors().begin(), graph.factors().end(), [&](const auto& entry) {
+    const auto* pair = std::get_if<ParallelPlanes>(&entry.second.data);
+    if (pair == nullptr) return false;
+    const PlaneRecord* a = planes.find(pair->a);
+    const PlaneRecord* b = planes.find(pair->b);
+    return a != nullptr && b != nullptr && a->storey != b->storey && (a->storey == storey || b->storey == storey);
+  });
+}
+
+}  // namespace
+
+int level_floors(Committer& committer, const PlaneMap& planes, const std::vector<int>& storeys) {
+  Transaction edit;
+  edit.reason = "floors of a building are level";
+  std::optional<PlaneId> first;
+  for (const int storey : storeys) {
+    if (storey == 0 || joined(committer.graph, planes, storey)) continue;
+    if (!first) first = largest_floor(committer.graph, planes, 0);
+    const std::optional<PlaneId> floor = largest_floor(committer.graph, planes, storey);
+    if (first && floor) add_factor(edit, ParallelPlanes{*first, *floor, level}, RobustLoss::huber(let_go));
+  }
+  return edit.factors.empty() || !committer.commit(edit).ok() ? 0 : static_cast<int>(edit.factors.size());
+}
+
+}  // namespace sgraph
