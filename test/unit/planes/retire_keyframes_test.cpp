@@ -194,7 +194,7 @@ TEST(RetireKeyframes, NothingSeenOnlyOnceIsLost) {
     EXPECT_EQ(record->last_seen.value, 24);
     const FactorData& now = walks.graph_.find(seen.factor)->data;
     EXPECT_LT(chi_square(walks.graph_, now), 1e-3 + chi_square(before, before.find(*before.factors_of(PlaneId{5}).begin())->data));
-    EXPECT_EQ(type_name(now), std::string(form) == "points" ? "pose_plane_points" : "pose_plane");
+    EXPECT_STREQ(type_name(now), std::string(form) == "points" ? "pose_plane_points" : "pose_plane");
     walks.planes_.map.refresh(walks.graph_, walks.planes_.frame);
     EXPECT_LT((outline_center(walks.planes_.map.find({5})->outline) - center).norm(), 0.02);
   }
