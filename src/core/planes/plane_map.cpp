@@ -86,7 +86,7 @@ void PlaneMap::rebuild(const Graph& graph, PlaneRecord& record) {
   if (!plane) return;
   std::vector<Outline> outlines;
   std::vector<Eigen::Vector3d> corners;
-  record.keyframes.clear();
+  record.keyframes = record.retired;
   for (const PlaneObservation& seen : record.observations) {
     const Pose* T_map_base = graph.find(seen.keyframe);
     if (!T_map_base) continue;
@@ -170,6 +170,7 @@ void PlaneMap::merge(const Graph& graph, PlaneId kept, PlaneId merged) {
   auto& observations = to->second.observations;
   observations.insert(observations.end(), from->second.observations.begin(), from->second.observations.end());
   std::stable_sort(observations.begin(), observations.end(), [](const auto& a, const auto& b) { return a.keyframe < b.keyframe; });
+  for (const KeyframeId id : from->second.retired) to->second.retired.insert(id);
   if (to->second.last_seen < from->second.last_seen) to->second.last_covariance = from->second.last_covariance;
   retired_[merged] = from->second;
   erase(merged);
@@ -217,6 +218,7 @@ void PlaneMap::retire(const Graph& graph, KeyframeId id, KeyframeId to, const st
       if (now != moved_views.end()) kept.push_back({to, now->second, moved(T_to_id, seen->outline_base)});
     }
     all.erase(first, last);
+    record.retired.insert(id);
     all.insert(std::upper_bound(all.begin(), all.end(), to, ByKeyframe{}), kept.begin(), kept.end());
     record.grown = true;
   }

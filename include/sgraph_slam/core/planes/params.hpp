@@ -68,7 +68,7 @@ struct FactorParams {
   double point_sigma = 0.02;
   std::string plane_loss = "huber";
   double plane_loss_scale = 2.5;
-  int spot_keyframes = 4;
+  int spot_keyframes = 8;
 
   void describe(ParamVisitor& v) {
     v.choice("plane_factor", plane_factor, {"tangent", "points"},

@@ -27,7 +27,8 @@ struct PlaneRecord {
   PlaneId id;
   PlaneClass plane_class = PlaneClass::unclassified;
   std::vector<PlaneObservation> observations;  ///< in order of arrival
-  KeyframeSet keyframes;
+  KeyframeSet keyframes;                       ///< that saw it, those that have been retired since among them
+  KeyframeSet retired;                         ///< those whose views of it are kept no more
   KeyframeId last_seen;
   int storey = 0;                                             ///< from which it was seen, or `stairwell`
   Outline outline;                                            ///< all that has been seen of it, map frame
