@@ -132,13 +132,13 @@ TEST(SurfaceMap, CountsAsManyPointsAsItMayBeAskedTo) {
   std::mt19937 random(11);
   std::uniform_real_distribution<double> unit(0, 1);
   std::normal_distribution<double> noise(0, 0.005);
-  for (int i = 0; i < 66000; ++i) map.insert({0.1 + noise(random), 0.05 + 0.15 * unit(random), 0.05 + 0.15 * unit(random)}, {-2, 0.1, 0.1});
+  for (int i = 0; i < 400000; ++i) map.insert({0.1 + noise(random), 0.02 + 0.1 * unit(random), 0.02 + 0.1 * unit(random)}, {-2, 0.1, 0.1});
   map.update();
-  const Surface* found = map.match({0.12, 0.1, 0.1}, {-2, 0.1, 0.1}, 0.05);
+  const Surface* found = map.match({0.12, 0.08, 0.08}, {-2, 0.1, 0.1}, 0.05);
   ASSERT_NE(found, nullptr);
   EXPECT_GT(std::abs(found->normal.x()), 0.99);
-  EXPECT_LT((found->mean - Vector3d(0.1, 0.125, 0.125)).norm(), 0.05);
-  EXPECT_EQ(map.match({0.2, 0.1, 0.1}, {-2, 0.1, 0.1}, 0.05), nullptr);
+  EXPECT_LT((found->mean - Vector3d(0.1, 0.07, 0.07)).norm(), 0.06);
+  EXPECT_EQ(map.match({0.2, 0.08, 0.08}, {-2, 0.1, 0.1}, 0.05), nullptr);
 }
 
 TEST(SurfaceMap, MemoryIsBoundByTheAreaAndNotByTheScans) {
