@@ -4,6 +4,7 @@
 #include <set>
 
 #include "sgraph_slam/core/io/temporary_clouds.hpp"
+#include "sgraph_slam/core/planes/retire_keyframes.hpp"
 #include "sgraph_slam/core/store/map_recording.hpp"
 #include "sgraph_slam/core/store/stored_clouds.hpp"
 
@@ -30,11 +31,9 @@ std::set<KeyframeId> retired_keyframes(const StoredMap& map) {
   return retired;
 }
 
-// The motion between two keyframes as the map has it, to within what no motion is taken to be known better than.
+// The motion between two keyframes as the map has it.
 KeyframeMotion motion_of(const StoredMap& map, KeyframeId from, KeyframeId to, const FactorParams& params) {
-  Vector6 sigma;
-  sigma << Eigen::Vector3d::Constant(params.keyframe_floor_angle), Eigen::Vector3d::Constant(params.keyframe_floor_distance);
-  return {map.poses.at(from).inverse() * map.poses.at(to), sigma.cwiseAbs2().asDiagonal()};
+  return {map.poses.at(from).inverse() * map.poses.at(to), retired_sigma(params).cwiseAbs2().asDiagonal()};
 }
 
 }  // namespace

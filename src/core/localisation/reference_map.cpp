@@ -13,12 +13,6 @@ namespace {
 constexpr double tilt = LayoutBuilder::tilt;
 constexpr double floor_reach = 0.5;  // [m] beside what has been seen of a floor
 
-Outline moved(const Pose& T, const Outline& outline) {
-  Outline result;
-  for (const auto& p : outline) result.push_back(T * p);
-  return result;
-}
-
 Pose turn(const Eigen::Quaterniond& q) { return {q, Eigen::Vector3d::Zero()}; }
 
 Layout map_layout(const GraphSnapshot& snapshot, const Eigen::Quaterniond& level, const Pose& T_base_lidar,
@@ -91,7 +85,7 @@ std::optional<double> ReferenceMap::floor_height(const Eigen::Vector2d& at_level
     const Eigen::Vector3d foot(at_level.x(), at_level.y(), -(plane.d + plane.normal.head<2>().dot(at_level)) / plane.normal.z());
     if (best && std::abs(foot.z() - near) >= std::abs(*best - near)) continue;
     const Outline spot{foot, foot + Eigen::Vector3d(0.01, 0, 0), foot + Eigen::Vector3d(0, 0.01, 0)};
-    if (outline_distance(plane, moved(turn(level_), face.outline), spot) > floor_reach) continue;
+    if (outline_distance(plane, moved_outline(turn(level_), face.outline), spot) > floor_reach) continue;
     best = foot.z();
   }
   return best;

@@ -107,6 +107,13 @@ double outline_distance(const Plane& plane, const Outline& a, const Outline& b) 
   return std::min(corner_distance(fa, fb), corner_distance(fb, fa));
 }
 
+Outline moved_outline(const Pose& T_target_source, const Outline& outline) {
+  Outline result;
+  result.reserve(outline.size());
+  for (const auto& p : outline) result.push_back(T_target_source * p);
+  return result;
+}
+
 Eigen::Vector3d outline_center(const Outline& outline) {
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
   for (const auto& p : outline) sum += p;

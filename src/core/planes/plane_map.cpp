@@ -8,13 +8,6 @@
 namespace sgraph {
 namespace {
 
-Outline moved(const Pose& T, const Outline& outline) {
-  Outline result;
-  result.reserve(outline.size());
-  for (const auto& p : outline) result.push_back(T * p);
-  return result;
-}
-
 // Views in the order of their keyframes.
 struct ByKeyframe {
   bool operator()(const PlaneObservation& a, KeyframeId b) const { return a.keyframe < b; }
@@ -52,13 +45,13 @@ void PlaneMap::observe(const Graph& graph, PlaneId id, KeyframeId keyframe, Fact
   const Pose T_map_lidar = *T_map_base * T_base_lidar;
   PlaneRecord& record = records_[id];
   record.id = id;
-  record.observations.push_back({keyframe, factor, moved(T_base_lidar, outline_lidar)});
+  record.observations.push_back({keyframe, factor, moved_outline(T_base_lidar, outline_lidar)});
   record.keyframes.insert(keyframe);
   record.last_seen = keyframe;
   record.last_covariance = moved_covariance(T_map_lidar, measured, *plane, covariance);
   record.grown = true;
   poses_.emplace(keyframe, *T_map_base);
-  const Outline seen = moved(T_map_lidar, outline_lidar);
+  const Outline seen = moved_outline(T_map_lidar, outline_lidar);
   record.outline = grown_outline(*plane, record.outline, seen);
   index_.put(id, record.box());
   const auto whole = make_wall(id, *plane, {record.outline}, params_.tilt, params_.wall_gap);
@@ -90,7 +83,7 @@ void PlaneMap::rebuild(const Graph& graph, PlaneRecord& record) {
   for (const PlaneObservation& seen : record.observations) {
     const Pose* T_map_base = graph.find(seen.keyframe);
     if (!T_map_base) continue;
-    outlines.push_back(moved(*T_map_base, seen.outline_base));
+    outlines.push_back(moved_outline(*T_map_base, seen.outline_base));
     corners.insert(corners.end(), outlines.back().begin(), outlines.back().end());
     record.keyframes.insert(seen.keyframe);
   }
@@ -215,7 +208,7 @@ void PlaneMap::retire(const Graph& graph, KeyframeId id, KeyframeId to, const st
     std::vector<PlaneObservation> kept;
     for (auto seen = first; seen != last; ++seen) {
       const auto now = moved_views.find(seen->factor);
-      if (now != moved_views.end()) kept.push_back({to, now->second, moved(T_to_id, seen->outline_base)});
+      if (now != moved_views.end()) kept.push_back({to, now->second, moved_outline(T_to_id, seen->outline_base)});
     }
     all.erase(first, last);
     record.retired.insert(id);

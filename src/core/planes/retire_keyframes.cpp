@@ -37,11 +37,8 @@ class Views {
     const auto [entry, fresh] = views_.try_emplace(id);
     if (!fresh) return entry->second;
     const Pose& T_map_base = *graph_.find(id);
-    for (const auto& [plane, seen] : seen_[id]) {
-      View view{seen->factor, plane, {}, outline_area(seen->outline_base)};
-      for (const Eigen::Vector3d& corner : seen->outline_base) view.outline.push_back(T_map_base * corner);
-      entry->second.push_back(std::move(view));
-    }
+    for (const auto& [plane, seen] : seen_[id])
+      entry->second.push_back({seen->factor, plane, moved_outline(T_map_base, seen->outline_base), outline_area(seen->outline_base)});
     return entry->second;
   }
 
@@ -163,20 +160,23 @@ bool retire(Committer& committer, PlaneLayer& planes, KeyframeId id, const Joint
   edit.remove_factors.insert(edit.remove_factors.end(), {joints.before.front(), joints.after.front()});
   add_factor(edit,
              joined(std::get<Se3Between>(graph.find(joints.before.front())->data), std::get<Se3Between>(graph.find(joints.after.front())->data)));
-  const FactorParams& params = planes.params.factors;
-  Vector6 sigma;
-  sigma << Eigen::Vector3d::Constant(params.keyframe_floor_angle), Eigen::Vector3d::Constant(params.keyframe_floor_distance);
   add_factor(edit, Se3Between{successor->keyframe, id, graph.find(successor->keyframe)->inverse() * *graph.find(id),
-                              SqrtInformation<6>::from_std_dev(sigma), Se3Between::Source::retired});
+                              SqrtInformation<6>::from_std_dev(retired_sigma(planes.params.factors)), Se3Between::Source::retired});
   const Applied applied = committer.commit(edit);
   if (!applied.ok()) return false;
-  std::map<FactorId, FactorId> moved;
-  for (std::size_t i = 0; i < successor->taken_over.size(); ++i) moved[successor->taken_over[i]] = applied.factors[i];
-  planes.map.retire(graph, id, successor->keyframe, moved);
+  std::map<FactorId, FactorId> now;
+  for (std::size_t i = 0; i < successor->taken_over.size(); ++i) now[successor->taken_over[i]] = applied.factors[i];
+  planes.map.retire(graph, id, successor->keyframe, now);
   return true;
 }
 
 }  // namespace
+
+Vector6 retired_sigma(const FactorParams& params) {
+  Vector6 sigma;
+  sigma << Eigen::Vector3d::Constant(params.keyframe_floor_angle), Eigen::Vector3d::Constant(params.keyframe_floor_distance);
+  return sigma;
+}
 
 int retire_keyframes(Committer& committer, PlaneLayer& planes, KeyframeId first, KeyframeId end) {
   const auto enough = static_cast<std::size_t>(planes.params.factors.spot_keyframes);

@@ -8,13 +8,6 @@ namespace {
 
 constexpr double least_length = 0.4;  // of a piece of wall [m]
 
-Outline moved(const Pose& T, const Outline& outline) {
-  Outline result;
-  result.reserve(outline.size());
-  for (const auto& p : outline) result.push_back(T * p);
-  return result;
-}
-
 }  // namespace
 
 void Upward::add(const Eigen::Vector3d& normal, double area) {
@@ -31,7 +24,7 @@ void LayoutBuilder::add_plane(PlaneId id, const Plane& plane, const std::vector<
   outlines.reserve(views.size());
   for (const View& seen : views) {
     const Pose T_level_base = T_level_ * seen.T_map_base;
-    outlines.push_back(moved(T_level_base, *seen.outline_base));
+    outlines.push_back(moved_outline(T_level_base, *seen.outline_base));
     const auto view = make_wall(id, level_plane, {outlines.back()}, tilt, wall_gap);
     if (view && view->height >= least_view_height) add_sight(*view, (T_level_base * T_base_lidar_).translation);
   }
@@ -41,7 +34,7 @@ void LayoutBuilder::add_plane(PlaneId id, const Plane& plane, const std::vector<
 
 void LayoutBuilder::add_segment(const Plane& plane_lidar, const Outline& outline_lidar, const Pose& T_map_base) {
   const Pose T_level_lidar = T_level_ * T_map_base * T_base_lidar_;
-  const auto view = make_wall({}, T_level_lidar * plane_lidar, {moved(T_level_lidar, outline_lidar)}, tilt, wall_gap);
+  const auto view = make_wall({}, T_level_lidar * plane_lidar, {moved_outline(T_level_lidar, outline_lidar)}, tilt, wall_gap);
   if (!view || view->height < least_view_height) return;
   add_pieces(*view);
   add_sight(*view, T_level_lidar.translation);

@@ -10,23 +10,13 @@
 #include "sgraph_slam/core/odometry/odometry.hpp"
 #include "sgraph_slam/core/prefilter/prefilter.hpp"
 #include "sgraph_slam/core/sim/simulator.hpp"
+#include "support/lift_building.hpp"
 
 namespace sgraph {
 namespace {
 
-const char* const two_floors = R"(
-storeys:
-  - elevation: 0
-    height: 2.8
-    walls: [[[0, 0], [10, 0], [10, 6], [0, 6], [0, 0]], [[7, 0], [7, 6]]]
-    doors: [{at: [7, 3], width: 1.0, top: 2.0}]
-  - elevation: 3.2
-    height: 2.8
-    walls: [[[0, 0], [10, 0], [10, 6], [0, 6], [0, 0]], [[7, 0], [7, 6]], [[4.5, 0], [4.5, 6]]]
-    doors: [{at: [7, 3], width: 1.0, top: 2.0}, [4.5, 3]]
-lifts: [{low: [7.2, 2.2], high: [9, 3.8], door: [7.2, 3], door_width: 1.0}]
-route: {stand: 1, return: false, waypoints: [[3, 3], {at: [8, 3], ride: 1}, [5.5, 3], [5.5, 1.5]]}
-)";
+const std::string two_floors =
+    building_with_lift("4.5", "{stand: 1, return: false, waypoints: [[3, 3], {at: [8, 3], ride: 1}, [5.5, 3], [5.5, 1.5]]}");
 
 struct Followed {
   Trajectory finals;

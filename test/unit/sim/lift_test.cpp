@@ -4,23 +4,12 @@
 
 #include "sgraph_slam/core/sim/lidar.hpp"
 #include "sgraph_slam/core/sim/motion.hpp"
+#include "support/lift_building.hpp"
 
 namespace sgraph::sim {
 namespace {
 
-const char* const with_lift = R"(
-storeys:
-  - elevation: 0
-    height: 2.8
-    walls: [[[0, 0], [10, 0], [10, 6], [0, 6], [0, 0]], [[7, 0], [7, 6]]]
-    doors: [{at: [7, 3], width: 1.0, top: 2.0}]
-  - elevation: 3.2
-    height: 2.8
-    walls: [[[0, 0], [10, 0], [10, 6], [0, 6], [0, 0]], [[7, 0], [7, 6]], [[4, 0], [4, 6]]]
-    doors: [{at: [7, 3], width: 1.0, top: 2.0}, [4, 3]]
-lifts: [{low: [7.2, 2.2], high: [9, 3.8], door: [7.2, 3], door_width: 1.0}]
-route: {return: false, waypoints: [[2, 3], {at: [8, 3], ride: 1}, [5, 3]]}
-)";
+const std::string with_lift = building_with_lift("4", "{return: false, waypoints: [[2, 3], {at: [8, 3], ride: 1}, [5, 3]]}");
 
 double farthest(const Cloud& cloud) {
   double most = 0;
@@ -52,7 +41,7 @@ TEST(Lift, CarriesTheRobotAndNothingButTheCabinIsSeenMeanwhile) {
 }
 
 TEST(Lift, FaultsAreNamed) {
-  const std::string text = with_lift;
+  const std::string& text = with_lift;
   const auto fault = [&](const std::string& from, const std::string& to) {
     std::string changed = text;
     changed.replace(changed.find(from), from.size(), to);

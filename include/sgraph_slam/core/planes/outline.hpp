@@ -6,6 +6,7 @@
 
 #include "sgraph_slam/core/math/outline_area.hpp"
 #include "sgraph_slam/core/types/plane.hpp"
+#include "sgraph_slam/core/types/pose.hpp"
 
 namespace sgraph {
 
@@ -22,6 +23,9 @@ Outline grown_outline(const Plane& plane, const Outline& outline, const std::vec
 /// Shortest distance on the plane between two convex outlines [m]; 0 when they overlap, infinite when one is empty. Both are projected on the plane,
 /// so they may come from two estimates of it.
 double outline_distance(const Plane& plane, const Outline& a, const Outline& b);
+
+/// The outline in another frame.
+Outline moved_outline(const Pose& T_target_source, const Outline& outline);
 
 /// Mean of the corners; zero for none.
 Eigen::Vector3d outline_center(const Outline& outline);

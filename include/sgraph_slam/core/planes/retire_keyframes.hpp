@@ -13,4 +13,8 @@ namespace sgraph {
 /// Source: design, Cost ("redundant keyframes retired, their information kept").
 int retire_keyframes(Committer& committer, PlaneLayer& planes, KeyframeId first, KeyframeId end);
 
+/// Standard deviations of a retired keyframe's pose beside the one that it hangs on (rotation [rad], translation [m]): what no motion between
+/// keyframes is taken to be known better than.
+Vector6 retired_sigma(const FactorParams& params);
+
 }  // namespace sgraph
