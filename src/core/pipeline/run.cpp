@@ -23,7 +23,7 @@ void Run::finish(const MeasuredScan& rest) {
   map(rest, finish_cost_);
   if (until_ < Stage::mapping || keyframes_.empty()) return;
   StageClock clock;
-  note_solve(*session_.optimize());
+  solves_.note(*session_.optimize());
   clock.book(Stage::mapping, finish_cost_);
 }
 
@@ -34,15 +34,9 @@ void Run::map(const MeasuredScan& scan, StageCost& cost) {
     keyframes_.push_back({odometry.keyframes[i].stamp, odometry.keyframes[i].T_odom_base});
     if (until_ < Stage::mapping) continue;
     StageClock clock;
-    note_solve(*session_.process(odometry.keyframes[i], scan.planes.at(i)));
+    solves_.note(*session_.process(odometry.keyframes[i], scan.planes.at(i)));
     clock.book(Stage::mapping, cost);
   }
-}
-
-// A state that is handed out again carries the same solve again.
-void Run::note_solve(const GraphSnapshot& state) {
-  if (state.version != noted_ && state.last_solve.keyframes > 0) solves_.push_back(state.last_solve);
-  noted_ = state.version;
 }
 
 StageCost Run::total_cost() const {

@@ -9,6 +9,21 @@
 
 namespace sgraph {
 
+/// The solves of a map that is seen again and again.
+class SolveHistory {
+ public:
+  /// Takes the newest solve of a state, unless the state was noted before: one that is handed out again carries the same solve again.
+  void note(const GraphSnapshot& state) {
+    if (state.version != noted_ && state.last_solve.keyframes > 0) solves_.push_back(state.last_solve);
+    noted_ = state.version;
+  }
+  [[nodiscard]] const std::vector<SolveSummary>& solves() const { return solves_; }
+
+ private:
+  std::vector<SolveSummary> solves_;
+  std::int64_t noted_ = 0;  // version of the newest state noted
+};
+
 /// A recording being mapped: the mapping stage, fed with what the stages before it made, and all that a run folder tells.
 class Run {
  public:
@@ -42,11 +57,10 @@ class Run {
   /// What is known of the robot's place in the map that the run takes up; nothing when it takes up none.
   [[nodiscard]] std::optional<Localisation> localisation() const { return session_.localisation(); }
   /// All graph solves in order.
-  [[nodiscard]] const std::vector<SolveSummary>& solves() const { return solves_; }
+  [[nodiscard]] const std::vector<SolveSummary>& solves() const { return solves_.solves(); }
 
  private:
   void map(const MeasuredScan& scan, StageCost& cost);
-  void note_solve(const GraphSnapshot& state);
 
   Stage until_;
   Pose T_base_lidar_;
@@ -56,8 +70,7 @@ class Run {
   Trajectory live_;
   Trajectory finals_;
   Trajectory keyframes_;
-  std::vector<SolveSummary> solves_;
-  std::int64_t noted_ = 0;  // version of the newest state whose solve is in solves_
+  SolveHistory solves_;
 };
 
 /// Base poses in the map of every scan that the snapshot's keyframes hold: the odometry's final poses, moved by the correction of the keyframes
