@@ -1,0 +1,46 @@
+#include "sgraph_slam/core/places/free_space.hpp"
+
+#include <gtest/gtest.h>
+
+#include "scanned_plan.hpp"
+
+namespace sgraph {
+namespace {
+
+TEST(FreeSpace, MarksOfAKeyframeMoveWithIt) {
+  ScannedPlan scanned;
+  scanned.face({{0, 0}, {6, 0}, {6, 4}, {0, 4}});
+  scanned.walk({{1, 1}, {5, 3}});
+  FreeSpace moved = scanned.space;
+  std::map<KeyframeId, Pose> poses = scanned.poses;
+  for (auto& [id, pose] : poses) pose.translation.x() += 0.4;
+  moved.update(poses, 0);
+  EXPECT_TRUE(moved.at({6.2, 2.0}).free());
+  EXPECT_FALSE(scanned.space.at({6.2, 2.0}).free());
+  moved.update(scanned.poses, 0);
+  for (double x = -1; x < 7; x += 0.05) {
+    for (double y = -1; y < 5; y += 0.05) {
+      ASSERT_EQ(moved.at({x, y}).low, scanned.space.at({x, y}).low);
+      ASSERT_EQ(moved.at({x, y}).hits, scanned.space.at({x, y}).hits);
+    }
+  }
+}
+
+// Whoever walks to and fro for hours keeps what was seen last, not all of it.
+TEST(FreeSpace, GrowsWithTheAreaAndNotWithTheTime) {
+  ScannedPlan scanned;
+  scanned.face({{0, 0}, {6, 0}, {6, 4}, {0, 4}});
+  const auto visits = [&scanned](int times) {
+    for (int i = 0; i < times; ++i) scanned.walk({{1, 1}, {5, 3}, {1, 1}});
+    return scanned.space.at({3, 1.5}).low;
+  };
+  const int few = visits(3);
+  const int enough = visits(9);
+  EXPECT_GT(enough, few);
+  EXPECT_LE(visits(12), enough + 2);
+  EXPECT_TRUE(scanned.space.at({3, 1.5}).free());
+  EXPECT_GT(scanned.space.at({6.01, 2}).hits, 0);
+}
+
+}  // namespace
+}  // namespace sgraph
