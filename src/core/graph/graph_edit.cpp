@@ -28,7 +28,8 @@ bool joins_a_plane_to_itself(const FactorData& data) {
 // Measurements may be many; statements about the building (this is the wall of that room, these two are parallel) count once.
 bool is_statement(const FactorData& data) {
   return std::holds_alternative<RoomPlane>(data) || std::holds_alternative<CorridorPlane>(data) || std::holds_alternative<ParallelPlanes>(data) ||
-         std::holds_alternative<PerpendicularPlanes>(data) || std::holds_alternative<WallThickness>(data);
+         std::holds_alternative<PerpendicularPlanes>(data) || std::holds_alternative<WallThickness>(data) ||
+         std::holds_alternative<AlignedWalls>(data);
 }
 
 bool same_statement(const FactorData& a, const FactorData& b) {

@@ -13,6 +13,7 @@
 #include "sgraph_slam/core/mapping/add_keyframe.hpp"
 #include "sgraph_slam/core/places/place_factors.hpp"
 #include "sgraph_slam/core/places/topology.hpp"
+#include "sgraph_slam/core/planes/align_storeys.hpp"
 #include "sgraph_slam/core/planes/drop_planes.hpp"
 #include "sgraph_slam/core/planes/level_floors.hpp"
 #include "sgraph_slam/core/planes/merge_duplicates.hpp"
@@ -206,17 +207,20 @@ void MapBuilder::solve_window() {
 }
 
 // The storeys whose height against the first is unknown.
-std::vector<int> MapBuilder::storeys_by_lift() const {
-  std::vector<int> storeys;
+std::set<int> MapBuilder::storeys_by_lift() const {
+  std::set<int> storeys;
   for (std::size_t k = 0; k < state_.storey_groups.size(); ++k) {
-    if (state_.storey_groups[k] != 0) storeys.push_back(static_cast<int>(k));
+    if (state_.storey_groups[k] != 0) storeys.insert(static_cast<int>(k));
   }
   return storeys;
 }
 
 void MapBuilder::solve_global(int iterations, bool all_pairs) {
   drop_passing_planes(committer_, state_.planes, all_pairs);
-  level_floors(committer_, state_.planes.map, storeys_by_lift());
+  if (state_.params.factors.storey_factors) {
+    level_floors(committer_, state_.planes.map, storeys_by_lift());
+    align_storeys(committer_, state_.planes.map);
+  }
   SolverOptions options;
   options.max_iterations = iterations;
   note(solve(state_.graph, options));

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <set>
 #include <vector>
 
 #include "sgraph_slam/core/graph/committer.hpp"
@@ -49,7 +50,7 @@ class MapBuilder {
   void note(const SolveSummary& summary);
   void solve_window();
   void solve_global(int iterations, bool all_pairs = false);
-  [[nodiscard]] std::vector<int> storeys_by_lift() const;
+  [[nodiscard]] std::set<int> storeys_by_lift() const;
   void retire_known();
   [[nodiscard]] std::vector<Wall> counted_walls(int storey) const;
   void update_frame();

@@ -2,12 +2,14 @@
 
 #include <algorithm>
 #include <optional>
+#include <set>
 
 namespace sgraph {
 namespace {
 
-constexpr double level = 0.005;   // [rad] to which floors are laid, and to which a large one is seen
-constexpr double let_go = 2.5;    // of these: a floor that slopes pulls with a limited force
+constexpr double level = 0.001;   // [rad] to which floors are laid, and to which a large one is seen
+constexpr double steep = 0.01;    // [rad] a floor that slopes by more is meant to; stairs leave less tilt than that, a lift may leave more
+constexpr double let_go = 5;      // of these: a floor that slopes pulls with a limited force
 constexpr std::size_t views = 3;  // of a floor
 
 std::optional<PlaneId> largest_floor(const Graph& graph, const PlaneMap& planes, int storey) {
@@ -36,15 +38,21 @@ bool joined(const Graph& graph, const PlaneMap& planes, int storey) {
 
 }  // namespace
 
-int level_floors(Committer& committer, const PlaneMap& planes, const std::vector<int>& storeys) {
+int level_floors(Committer& committer, const PlaneMap& planes, const std::set<int>& by_lift) {
+  std::set<int> storeys;
+  for (const auto& [id, record] : planes.records()) {
+    if (record.storey > 0) storeys.insert(record.storey);
+  }
   Transaction edit;
   edit.reason = "floors of a building are level";
   std::optional<PlaneId> first;
   for (const int storey : storeys) {
-    if (storey == 0 || joined(committer.graph, planes, storey)) continue;
+    if (joined(committer.graph, planes, storey)) continue;
     if (!first) first = largest_floor(committer.graph, planes, 0);
     const std::optional<PlaneId> floor = largest_floor(committer.graph, planes, storey);
-    if (first && floor) add_factor(edit, ParallelPlanes{*first, *floor, level}, RobustLoss::huber(let_go));
+    if (!first || !floor) continue;
+    const double angle = committer.graph.find(*first)->normal.cross(committer.graph.find(*floor)->normal).norm();
+    if (by_lift.count(storey) > 0 || angle < steep) add_factor(edit, ParallelPlanes{*first, *floor, level}, RobustLoss::huber(let_go));
   }
   return edit.factors.empty() || !committer.commit(edit).ok() ? 0 : static_cast<int>(edit.factors.size());
 }

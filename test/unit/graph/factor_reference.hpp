@@ -125,6 +125,12 @@ struct FactorReference {
     e[0] = (-distance(x[0], p) - distance(x[1], p) - T(f.thickness)) / T(f.sigma);
   }
   template <class T>
+  void evaluate(const AlignedWalls& f, T const* const* x, T* e) const {
+    const Eigen::Vector3d up(0, 0, f.rise);
+    e[0] = (distance(x[0], f.from.cast<T>().eval()) - distance(x[1], (f.from + up).cast<T>().eval())) / T(f.sigma);
+    e[1] = (distance(x[0], f.to.cast<T>().eval()) - distance(x[1], (f.to + up).cast<T>().eval())) / T(f.sigma);
+  }
+  template <class T>
   void evaluate(const RoomPlane& f, T const* const* x, T* e) const {
     const T c = T(std::cos(room.yaw));
     const T s = T(std::sin(room.yaw));

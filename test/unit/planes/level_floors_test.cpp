@@ -45,7 +45,7 @@ struct TwoStoreys {
 
 TEST(LevelFloors, AStoreyThatALiftLedToStandsUpright) {
   TwoStoreys building(0.03);
-  EXPECT_EQ(level_floors(building.committer, building.planes, {}), 0);  // heights are known: nothing is assumed
+  EXPECT_EQ(level_floors(building.committer, building.planes, {}), 0);  // by stairs: so steep a floor is meant to slope
   EXPECT_EQ(level_floors(building.committer, building.planes, {1}), 1);
   EXPECT_EQ(level_floors(building.committer, building.planes, {1}), 0);  // once
   solve(building.graph, {});
@@ -53,6 +53,13 @@ TEST(LevelFloors, AStoreyThatALiftLedToStandsUpright) {
   const Pose& up = *building.graph.find(KeyframeId{5});
   EXPECT_NEAR((up.rotation * Eigen::Vector3d::UnitZ()).z(), 1, 1e-5);
   EXPECT_NEAR(up.translation.x(), 2.5, 0.01);
+}
+
+TEST(LevelFloors, AStoreyThatStairsLedToIsLevelWithTheFirst) {
+  TwoStoreys building(0.006);
+  EXPECT_EQ(level_floors(building.committer, building.planes, {}), 1);
+  solve(building.graph, {});
+  EXPECT_LT(building.tilt(), 0.001);
 }
 
 }  // namespace

@@ -4,6 +4,7 @@
 #include <string>
 #include <variant>
 
+#include "sgraph_slam/core/graph/factors/aligned_walls.hpp"
 #include "sgraph_slam/core/graph/factors/corridor_plane.hpp"
 #include "sgraph_slam/core/graph/factors/corridor_width.hpp"
 #include "sgraph_slam/core/graph/factors/parallel_planes.hpp"
@@ -24,7 +25,7 @@ namespace sgraph {
 /// independent), and `describe`, which shows a visitor its variables (`block`, `blocks`), its numbers (`field`, `sigma`: positive, `choice`, `index`:
 /// below a limit) and the keys they have in JSON. What can be derived from that is: the functions below, JSON, equality.
 using FactorData = std::variant<Se3Between, PosePlane, PosePlanePoints, PlanePrior, ParallelPlanes, PerpendicularPlanes, WallThickness, RoomPlane,
-                                CorridorPlane, RoomWidth, CorridorWidth>;
+                                CorridorPlane, RoomWidth, CorridorWidth, AlignedWalls>;
 
 /// One term of the cost: `1/2 loss(|e|^2)` with the weighted residual `e` of the data. A plain value; its id is its key in the graph.
 struct Factor {

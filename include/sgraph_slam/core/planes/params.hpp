@@ -69,6 +69,7 @@ struct FactorParams {
   std::string plane_loss = "huber";
   double plane_loss_scale = 2.5;
   int spot_keyframes = 8;
+  bool storey_factors = true;
 
   void describe(ParamVisitor& v) {
     v.choice("plane_factor", plane_factor, {"tangent", "points"},
@@ -85,6 +86,7 @@ struct FactorParams {
     v.field("plane_loss_scale", plane_loss_scale, "", {0.1, 100}, "In standard deviations.");
     v.field("spot_keyframes", spot_keyframes, "", {0, 1000},
             "A keyframe is retired when this many older ones stand within half a metre and show most of the planes that it shows. 0: none is.");
+    v.field("storey_factors", storey_factors, "Storeys of one building have level floors, and walls stand on walls.");
   }
 };
 
