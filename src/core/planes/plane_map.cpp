@@ -68,6 +68,10 @@ void PlaneMap::observe(const Graph& graph, PlaneId id, KeyframeId keyframe, Fact
   record.wall->views = record.keyframes.size();
 }
 
+std::pair<PlaneRecord::Views, PlaneRecord::Views> PlaneRecord::views_of(KeyframeId keyframe) const {
+  return std::equal_range(observations.begin(), observations.end(), keyframe, ByKeyframe{});
+}
+
 Eigen::AlignedBox3d PlaneRecord::box() const {
   Eigen::AlignedBox3d box;
   for (const Eigen::Vector3d& corner : outline) box.extend(corner);

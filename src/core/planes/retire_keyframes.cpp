@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <map>
 #include <optional>
+#include <set>
 #include <vector>
 
 #include <Eigen/LU>
@@ -24,27 +25,40 @@ struct View {
   double area;
 };
 
-// The views of each keyframe that is asked for.
+// The views of each keyframe that is asked for, by plane. Found by the keyframe's factors: what it costs grows with what the keyframe sees, not with
+// the map.
 class Views {
  public:
-  Views(const Graph& graph, const PlaneMap& planes) : graph_(graph) {
-    for (const auto& [id, record] : planes.records()) {
-      for (const PlaneObservation& seen : record.observations) seen_[seen.keyframe].push_back({id, &seen});
-    }
-  }
+  Views(const Graph& graph, const PlaneMap& planes) : graph_(graph), planes_(planes) {}
 
   const std::vector<View>& of(KeyframeId id) {
     const auto [entry, fresh] = views_.try_emplace(id);
     if (!fresh) return entry->second;
+    std::set<PlaneId> seen;
+    for (const FactorId factor : graph_.factors_of(id)) {
+      const FactorData& data = graph_.find(factor)->data;
+      if (!is_view(data)) continue;
+      for (const VariableId& variable : blocks(data)) {
+        if (const auto* plane = std::get_if<PlaneId>(&variable)) seen.insert(*plane);
+      }
+    }
     const Pose& T_map_base = *graph_.find(id);
-    for (const auto& [plane, seen] : seen_[id])
-      entry->second.push_back({seen->factor, plane, moved_outline(T_map_base, seen->outline_base), outline_area(seen->outline_base)});
+    for (const PlaneId plane : seen) {
+      const PlaneRecord* record = planes_.find(plane);
+      if (record == nullptr) continue;
+      const auto [first, last] = record->views_of(id);
+      for (auto view = first; view != last; ++view)
+        entry->second.push_back({view->factor, plane, moved_outline(T_map_base, view->outline_base), outline_area(view->outline_base)});
+    }
     return entry->second;
   }
 
+  /// The keyframe's views have changed.
+  void forget(KeyframeId id) { views_.erase(id); }
+
  private:
   const Graph& graph_;
-  std::map<KeyframeId, std::vector<std::pair<PlaneId, const PlaneObservation*>>> seen_;
+  const PlaneMap& planes_;
   std::map<KeyframeId, std::vector<View>> views_;
 };
 
@@ -144,10 +158,9 @@ std::vector<KeyframeId> near(const Graph& graph, const std::vector<KeyframeId>& 
   return found;
 }
 
-bool retire(Committer& committer, PlaneLayer& planes, KeyframeId id, const Joints& joints, const std::vector<KeyframeId>& at_spot) {
+bool retire(Committer& committer, PlaneLayer& planes, Views& views, KeyframeId id, const Joints& joints, const std::vector<KeyframeId>& at_spot) {
   const Graph& graph = committer.graph;
   const auto enough = static_cast<std::size_t>(planes.params.factors.spot_keyframes);
-  Views views(graph, planes.map);
   const std::optional<Successor> successor = successor_of(graph, views, id, at_spot, enough);
   if (!successor) return false;
   Transaction edit;
@@ -167,6 +180,8 @@ bool retire(Committer& committer, PlaneLayer& planes, KeyframeId id, const Joint
   std::map<FactorId, FactorId> now;
   for (std::size_t i = 0; i < successor->taken_over.size(); ++i) now[successor->taken_over[i]] = applied.factors[i];
   planes.map.retire(graph, id, successor->keyframe, now);
+  views.forget(id);
+  views.forget(successor->keyframe);
   return true;
 }
 
@@ -188,13 +203,14 @@ int retire_keyframes(Committer& committer, PlaneLayer& planes, KeyframeId first,
   for (auto keyframe = graph.keyframes().lower_bound(first); keyframe != graph.keyframes().end() && keyframe->first < begin; ++keyframe) {
     if (!joints_of(graph, keyframe->first).retired) kept.push_back(keyframe->first);
   }
+  Views views(graph, planes.map);
   int count = 0;
   for (auto keyframe = graph.keyframes().lower_bound(begin); keyframe != graph.keyframes().end() && keyframe->first < end; ++keyframe) {
     const auto& [id, T_map_base] = *keyframe;
     const std::vector<KeyframeId> at_spot = near(graph, kept, T_map_base.translation);
     const Joints joints = joints_of(graph, id);
     const bool may = at_spot.size() >= enough && !joints.held_by_others && joints.before.size() == 1 && joints.after.size() == 1;
-    if (may && retire(committer, planes, id, joints, at_spot)) {
+    if (may && retire(committer, planes, views, id, joints, at_spot)) {
       ++count;
     } else {
       kept.push_back(id);

@@ -3,6 +3,7 @@
 #include <map>
 #include <optional>
 #include <set>
+#include <utility>
 #include <vector>
 
 #include "sgraph_slam/core/graph/graph.hpp"
@@ -26,7 +27,7 @@ struct PlaneObservation {
 struct PlaneRecord {
   PlaneId id;
   PlaneClass plane_class = PlaneClass::unclassified;
-  std::vector<PlaneObservation> observations;  ///< in order of arrival
+  std::vector<PlaneObservation> observations;  ///< in order of their keyframes
   KeyframeSet keyframes;                       ///< that saw it, those that have been retired since among them
   KeyframeSet retired;                         ///< those whose views of it are kept no more
   KeyframeId last_seen;
@@ -39,6 +40,9 @@ struct PlaneRecord {
   double middle = 0;   ///< height at which the wall's offset holds [m]
   bool grown = false;  ///< since then
 
+  using Views = std::vector<PlaneObservation>::const_iterator;
+  /// Those from one keyframe, first and end.
+  [[nodiscard]] std::pair<Views, Views> views_of(KeyframeId keyframe) const;
   /// Around the outline; empty without one.
   [[nodiscard]] Eigen::AlignedBox3d box() const;
 };
