@@ -52,13 +52,14 @@ struct Pieces {
 Pieces find_pieces(const Regions& regions) {
   const int w = regions.window.width;
   const int h = regions.window.height;
-  cv::Mat other(h, w, CV_8U);
   const auto place_at = [&](int x, int y) {
     const std::int32_t region = regions.label[static_cast<std::size_t>(y) * static_cast<std::size_t>(w) + static_cast<std::size_t>(x)];
     return region >= 0 && regions.entered[static_cast<std::size_t>(region)] ? region : -1;
   };
+  cv::Mat other(h, w, CV_8U);
   for (int y = 0; y < h; ++y) {
-    for (int x = 0; x < w; ++x) other.at<uchar>(y, x) = place_at(x, y) < 0 ? 255 : 0;
+    auto* row = other.ptr<uchar>(y);
+    for (int x = 0; x < w; ++x) row[x] = place_at(x, y) < 0 ? 255 : 0;
   }
   Pieces pieces;
   const int n = cv::connectedComponents(other, pieces.label, 8, CV_32S);
@@ -70,19 +71,16 @@ Pieces find_pieces(const Regions& regions) {
     if (known == nobody) known = place;
     if (known != place) known = several;
   };
+  const auto meet = [&](int x, int y, int piece, int next_x, int next_y, int next_piece) {
+    if (piece == 0 && next_piece != 0) touch(next_piece, place_at(x, y));
+    if (piece != 0 && next_piece == 0) touch(piece, place_at(next_x, next_y));
+  };
   for (int y = 0; y < h; ++y) {
+    const int* row = pieces.label.ptr<int>(y);
+    const int* above = y + 1 < h ? pieces.label.ptr<int>(y + 1) : nullptr;
     for (int x = 0; x < w; ++x) {
-      const int piece = pieces.label.at<int>(y, x);
-      if (x + 1 < w) {
-        const int right = pieces.label.at<int>(y, x + 1);
-        if (piece == 0 && right != 0) touch(right, place_at(x, y));
-        if (piece != 0 && right == 0) touch(piece, place_at(x + 1, y));
-      }
-      if (y + 1 < h) {
-        const int above = pieces.label.at<int>(y + 1, x);
-        if (piece == 0 && above != 0) touch(above, place_at(x, y));
-        if (piece != 0 && above == 0) touch(piece, place_at(x, y + 1));
-      }
+      if (x + 1 < w && row[x] != row[x + 1]) meet(x, y, row[x], x + 1, y, row[x + 1]);
+      if (above != nullptr && row[x] != above[x]) meet(x, y, row[x], x, y + 1, above[x]);
     }
   }
   pieces.island.assign(static_cast<std::size_t>(n), 0);

@@ -8,6 +8,8 @@
 
 #include <opencv2/imgproc.hpp>
 
+#include "sgraph_slam/core/places/cell_bits.hpp"
+
 namespace sgraph {
 namespace {
 
@@ -45,7 +47,7 @@ void draw(cv::Mat& barrier, const FreeSpace& space, const CellWindow& window, co
 }
 
 // Cells that nothing bounds: free, and on no wall or cut. None at the border of the window.
-cv::Mat open_cells(const FreeSpace& space, const CellWindow& window, const std::vector<WallLine>& lines) {
+CellBits open_cells(const FreeSpace& space, const CellWindow& window, const std::vector<WallLine>& lines) {
   cv::Mat barrier = cv::Mat::zeros(window.height, window.width, CV_8U);
   for (const WallLine& line : lines) {
     const auto jamb_near = [&](double at) {
@@ -58,56 +60,72 @@ cv::Mat open_cells(const FreeSpace& space, const CellWindow& window, const std::
       if (gap.cut) draw(barrier, space, window, line, {gap.along.low - space.resolution(), gap.along.high + space.resolution()});
     }
   }
-  cv::Mat open = cv::Mat::zeros(window.height, window.width, CV_8U);
+  CellBits open(window.width, window.height);
   for (int y = 1; y < window.height - 1; ++y) {
     const FreeCell* row =
         &space.cells()[static_cast<std::size_t>(y + window.y) * static_cast<std::size_t>(space.width()) + static_cast<std::size_t>(window.x)];
     const uchar* bar = barrier.ptr<uchar>(y);
-    uchar* out = open.ptr<uchar>(y);
-    for (int x = 1; x < window.width - 1; ++x) {
-      if (bar[x] == 0 && row[x].free()) out[x] = 255;
-    }
+    open.set_row(y, 1, window.width - 1, [&](int x) { return bar[x] == 0 && row[x].free(); });
   }
   return open;
 }
 
-// Numbers the pieces that a disc of the robot's radius can pass between and that are large enough to be one.
-void label_cores(const cv::Mat& core, double least_cells, Regions& regions) {
-  cv::Mat labels;
-  cv::Mat stats;
-  cv::Mat centers;
-  const int n = cv::connectedComponentsWithStats(core, labels, stats, centers, 4, CV_32S);
-  std::vector<std::int32_t> number(static_cast<std::size_t>(n), -1);
-  for (int i = 1; i < n; ++i) {
-    if (stats.at<int>(i, cv::CC_STAT_AREA) >= least_cells) number[static_cast<std::size_t>(i)] = regions.count++;
+// Numbers the pieces that are large enough to be one, in the order of their first cells, row by row. Returns their cells.
+CellBits label_cores(const CellBits& core, double least_cells, Regions& regions) {
+  struct Run {
+    int y, begin, end;
+    std::size_t piece;  // the first run of its piece, by way of others
+  };
+  std::vector<Run> runs;
+  const auto first_of = [&runs](std::size_t run) {
+    while (runs[run].piece != run) run = runs[run].piece = runs[runs[run].piece].piece;
+    return run;
+  };
+  std::size_t above = 0;  // the first run of the row above
+  for (int y = 0; y < core.height(); ++y) {
+    const std::size_t row = runs.size();
+    core.visit_runs(y, [&](int begin, int end) {
+      const std::size_t own = runs.size();
+      runs.push_back({y, begin, end, own});
+      while (above < row && runs[above].end <= begin) ++above;
+      for (std::size_t other = above; other < row && runs[other].begin < end; ++other) {
+        const auto [low, high] = std::minmax({first_of(own), first_of(other)});
+        runs[high].piece = low;
+      }
+    });
+    above = row;
   }
-  auto label = regions.label.begin();
-  for (int y = 0; y < core.rows; ++y) {
-    const int* row = labels.ptr<int>(y);
-    for (int x = 0; x < core.cols; ++x) *label++ = number[static_cast<std::size_t>(row[x])];
+  std::vector<double> cells(runs.size(), 0);
+  for (std::size_t i = 0; i < runs.size(); ++i) cells[first_of(i)] += runs[i].end - runs[i].begin;
+  std::vector<std::int32_t> number(runs.size(), -1);
+  CellBits labelled(core.width(), core.height());
+  for (std::size_t i = 0; i < runs.size(); ++i) {
+    const std::size_t piece = first_of(i);
+    if (piece == i && cells[i] >= least_cells) number[i] = regions.count++;
+    if (number[piece] < 0) continue;
+    labelled.set(runs[i].y, runs[i].begin, runs[i].end);
+    const auto begin = regions.label.begin() + static_cast<std::ptrdiff_t>(runs[i].y) * core.width();
+    std::fill(begin + runs[i].begin, begin + runs[i].end, number[piece]);
   }
+  return labelled;
 }
 
 // Gives the rest of the open cells to the piece that reaches them first. Nothing is open at the window's border.
-void grow(const cv::Mat& open, Regions& regions) {
-  const auto width = static_cast<std::ptrdiff_t>(open.cols);
-  const std::array<std::ptrdiff_t, 4> ways{1, -1, width, -width};
-  const uchar* is_open = open.ptr<uchar>();
-  std::vector<std::int32_t>& label = regions.label;
-  const auto at = [](std::ptrdiff_t i) { return static_cast<std::size_t>(i); };
-  std::vector<std::ptrdiff_t> front;
-  for (std::ptrdiff_t i = width; i + width < static_cast<std::ptrdiff_t>(label.size()); ++i) {
-    if (label[at(i)] < 0) continue;
-    const auto is_free = [&](std::ptrdiff_t way) { return label[at(i + way)] < 0 && is_open[i + way] != 0; };
-    if (std::any_of(ways.begin(), ways.end(), is_free)) front.push_back(i);
-  }
+void grow(const CellBits& open, const CellBits& labelled, Regions& regions) {
+  CellBits rest = open.without(labelled);
+  std::vector<Eigen::Vector2i> front;
+  labelled.visit_beside(rest, [&front](int x, int y) { front.emplace_back(x, y); });
+  const std::array<Eigen::Vector2i, 4> ways{Eigen::Vector2i(1, 0), Eigen::Vector2i(-1, 0), Eigen::Vector2i(0, 1), Eigen::Vector2i(0, -1)};
+  const auto label = [&](const Eigen::Vector2i& cell) -> std::int32_t& {
+    return regions.label[static_cast<std::size_t>(cell.y()) * static_cast<std::size_t>(regions.window.width) + static_cast<std::size_t>(cell.x())];
+  };
   for (std::size_t next = 0; next < front.size(); ++next) {
-    const std::ptrdiff_t i = front[next];
-    for (const std::ptrdiff_t way : ways) {
-      std::int32_t& neighbour = label[at(i + way)];
-      if (neighbour >= 0 || is_open[i + way] == 0) continue;
-      neighbour = label[at(i)];
-      front.push_back(i + way);
+    const Eigen::Vector2i cell = front[next];
+    for (const Eigen::Vector2i& way : ways) {
+      const Eigen::Vector2i neighbour = cell + way;
+      if (!rest.take(neighbour.x(), neighbour.y())) continue;
+      label(neighbour) = label(cell);
+      front.push_back(neighbour);
     }
   }
 }
@@ -139,14 +157,15 @@ Regions find_regions(const FreeSpace& space, const std::vector<WallLine>& lines,
   const int w = regions.window.width;
   const int h = regions.window.height;
   if (w <= 2 || h <= 2) return {};
-  regions.label.resize(static_cast<std::size_t>(w) * static_cast<std::size_t>(h));
-  const cv::Mat open = open_cells(space, regions.window, lines);
-  cv::Mat distance;
-  cv::distanceTransform(open, distance, cv::DIST_L2, cv::DIST_MASK_5);
-  const double cell_area = space.resolution() * space.resolution();
-  label_cores(distance > params.robot_radius / space.resolution(), 0.3 * params.min_area / cell_area, regions);
-  grow(open, regions);
+  regions.label.assign(static_cast<std::size_t>(w) * static_cast<std::size_t>(h), -1);
+  const CellBits open = open_cells(space, regions.window, lines);
+  const double cell = space.resolution();
+  const auto in_core = [&](float cells) { return cells > static_cast<float>(params.robot_radius / cell); };
+  const auto is_deep = [&](float cells) { return cells * cell > min_depth + params.robot_radius; };
+  const CellBits labelled = label_cores(further_inside(open, in_core), 0.3 * params.min_area / (cell * cell), regions);
+  grow(open, labelled, regions);
   measure_extents(regions);
+  const CellBits deep = further_inside(open, is_deep);
   regions.entered.assign(static_cast<std::size_t>(regions.count), 0);
   for (const Eigen::Vector2d& p : path) {
     const Eigen::Vector2d c = ((p - space.origin()) / space.resolution()).array().floor();
@@ -154,8 +173,7 @@ Regions find_regions(const FreeSpace& space, const std::vector<WallLine>& lines,
     const int y = static_cast<int>(c.y()) - regions.window.y;
     if (x < 0 || y < 0 || x >= w || y >= h) continue;
     const int region = regions.label[static_cast<std::size_t>(y * w + x)];
-    if (region >= 0 && distance.at<float>(y, x) * space.resolution() > min_depth + params.robot_radius)
-      regions.entered[static_cast<std::size_t>(region)] = 1;
+    if (region >= 0 && deep.at(x, y)) regions.entered[static_cast<std::size_t>(region)] = 1;
   }
   return regions;
 }
