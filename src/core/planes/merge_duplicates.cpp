@@ -32,14 +32,23 @@ struct Merged {
 std::vector<Merged> merge_step(Committer& committer, PlaneLayer& planes, const std::set<PlanePair>& candidates, const std::set<PlanePair>& shown) {
   const MergeParams& params = planes.params.merging;
   std::vector<Merged> done;
+  // Most pairs have been seen apart, which takes no covariances of the whole graph to know.
+  std::vector<PlanePair> open;
+  for (const PlanePair& pair : candidates) {
+    if (seen_apart(committer.graph, *planes.map.find(pair.first), *planes.map.find(pair.second), params.chi_square)) {
+      planes.tested_merges[pair] = committer.newest();
+    } else {
+      open.push_back(pair);
+    }
+  }
+  if (open.empty()) return done;
   const Marginals* marginals = planes.marginals.get(committer.graph, 0);
   if (!marginals) return done;
   std::vector<std::pair<double, PlanePair>> within;
-  for (const PlanePair& pair : candidates) {
+  for (const PlanePair& pair : open) {
     const auto chi_square = merge_chi_square(committer.graph, planes.map, *marginals, pair, params);
     const double gate = params.chi_square * (shown.count(pair) > 0 ? shown_gain : 1);
-    if (chi_square && *chi_square < gate &&
-        !seen_apart(committer.graph, *planes.map.find(pair.first), *planes.map.find(pair.second), params.chi_square)) {
+    if (chi_square && *chi_square < gate) {
       within.emplace_back(*chi_square, pair);
     } else {
       planes.tested_merges[pair] = committer.newest();

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <iterator>
 
 #include <Eigen/Cholesky>
 
@@ -17,13 +16,25 @@ constexpr int fewest_apart = 2;            // views that show two planes as two:
 constexpr double share_apart = 1.0 / 3.0;  // of the views of both: from far away they don't tell
 
 // Midway between the nearest regions of the two: the centre of the smaller one, moved half way to the other's.
-Eigen::Vector3d common_point(const PlaneRecord& a, const PlaneRecord& b) {
-  const Eigen::Vector3d ca = outline_center(a.outline);
-  const Eigen::Vector3d cb = outline_center(b.outline);
-  const double wa = outline_area(a.outline);
-  const double wb = outline_area(b.outline);
-  return wa + wb > 0 ? Eigen::Vector3d((wb * ca + wa * cb) / (wa + wb)) : Eigen::Vector3d(0.5 * (ca + cb));
+Eigen::Vector3d common_point(const Eigen::Vector3d& center_a, double area_a, const Eigen::Vector3d& center_b, double area_b) {
+  return area_a + area_b > 0 ? Eigen::Vector3d((area_b * center_a + area_a * center_b) / (area_a + area_b))
+                             : Eigen::Vector3d(0.5 * (center_a + center_b));
 }
+
+Eigen::Vector3d common_point(const PlaneRecord& a, const PlaneRecord& b) {
+  return common_point(outline_center(a.outline), outline_area(a.outline), outline_center(b.outline), outline_area(b.outline));
+}
+
+// What is asked of each plane against each other one, side by side in memory.
+struct Extended {
+  Plane plane;
+  int storey;
+  Eigen::Vector3d center;
+  double area;
+  Eigen::AlignedBox3d box;
+  double diagonal;
+  const PlaneRecord* record;
+};
 
 }  // namespace
 
@@ -43,33 +54,32 @@ PlaneDifference plane_difference(const Plane& a, const Plane& b, const Eigen::Ve
   return difference;
 }
 
-// Planes that may be near enough to plane a. On it they are `margin` apart at most; off it, b reaches as far as it may be off at the common point and
-// its distance from there at the largest angle: metres, where one of them is long. All long ones are asked, so that this holds for the others only.
-std::vector<PlaneId> within_reach(const PlaneIndex& index, const PlaneRecord& a, const MergeParams& params, double margin) {
-  const double reach = a.box().diagonal().norm() + PlaneIndex::long_plane + margin;
-  const double off = params.max_distance + 2 * std::sin(params.max_angle) * reach + PlaneMap::stale;
-  const std::vector<PlaneId> near = index.near(a.box(), std::hypot(margin, off));
-  std::vector<PlaneId> all;
-  std::set_union(near.begin(), near.end(), index.long_planes().begin(), index.long_planes().end(), std::back_inserter(all));
-  return all;
-}
-
+// All pairs are asked: that their normals are alike is a matter of nanoseconds, and few are. Searching for neighbours by the boxes around them took
+// longer for hundreds of planes.
 std::vector<PlanePair> merge_candidates(const Graph& graph, const PlaneMap& planes, const MergeParams& params, double margin) {
+  std::vector<Extended> all;
+  all.reserve(planes.records().size());
+  for (const auto& [id, record] : planes.records()) {
+    const Plane* plane = graph.find(id);
+    const Eigen::AlignedBox3d box = record.box();
+    if (plane != nullptr && !box.isEmpty())
+      all.push_back({*plane, record.storey, outline_center(record.outline), outline_area(record.outline), box, box.diagonal().norm(), &record});
+  }
   std::vector<PlanePair> pairs;
   const double limit = std::cos(params.max_angle);
-  for (const auto& [id_a, a] : planes.records()) {
-    const Plane* plane_a = graph.find(id_a);
-    if (!plane_a) continue;
-    for (const PlaneId id_b : within_reach(planes.index(), a, params, margin)) {
-      if (!(id_a < id_b)) continue;
-      const PlaneRecord& b = *planes.find(id_b);
-      if (a.storey != b.storey) continue;
-      const Plane* plane_b = graph.find(id_b);
-      if (!plane_b || plane_a->normal.dot(plane_b->normal) < limit) continue;
-      const Eigen::Vector3d point = common_point(a, b);
-      if (std::abs(plane_b->distance(point) - plane_a->distance(point)) > params.max_distance) continue;
-      if (outline_distance(*plane_a, a.outline, b.outline) > margin) continue;
-      pairs.emplace_back(id_a, id_b);
+  const double sine = std::sin(params.max_angle);
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    const Extended& a = all[i];
+    for (std::size_t k = i + 1; k < all.size(); ++k) {
+      const Extended& b = all[k];
+      if (a.plane.normal.dot(b.plane.normal) < limit || a.storey != b.storey) continue;
+      const Eigen::Vector3d point = common_point(a.center, a.area, b.center, b.area);
+      if (std::abs(b.plane.distance(point) - a.plane.distance(point)) > params.max_distance) continue;
+      // On the plane they are `margin` apart at most; off it b reaches as far as it may be off at the common point, and its way from there at the
+      // largest angle.
+      const double off = params.max_distance + 2 * sine * (a.diagonal + b.diagonal + margin) + PlaneMap::stale;
+      if (a.box.squaredExteriorDistance(b.box) > margin * margin + off * off) continue;
+      if (outline_distance(a.plane, a.record->outline, b.record->outline) <= margin) pairs.emplace_back(a.record->id, b.record->id);
     }
   }
   return pairs;
