@@ -156,7 +156,12 @@ class CoarseCovariances final : public Covariances {
         for (const auto& [node, part] : seen_[l]) out.middleRows<6>(6 * node).noalias() += part * columns.middleRows<3>(place_[l]);
       }
     }
-    factor_.matrixL().solveInPlace(out);
+    // What was first seen late has nothing before: nodes are in the order of time.
+    const auto of_node = [&out](Index node) { return out.middleRows<6>(6 * node); };
+    Index node = 0;
+    while (6 * node < out.rows() && of_node(node).isZero(0)) ++node;
+    const Index rest = out.rows() - 6 * node;
+    factor_.matrixLLT().bottomRightCorner(rest, rest).triangularView<Eigen::Lower>().solveInPlace(out.bottomRows(rest));
     return halves_.emplace(variable, std::move(out)).first->second;
   }
 

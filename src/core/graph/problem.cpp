@@ -75,6 +75,7 @@ Problem::Problem(const Graph& graph, const SolveScope& scope, const std::vector<
     ids.erase(std::unique(ids.begin(), ids.end()), ids.end());
   }
   number_variables(graph, scope, std::move(ids));
+  views_.reserve(factors.size());
   for (const Factor* factor : factors) add(graph, *factor);
   for (const auto& [id, views] : fixed) {
     const int variable = index_of(id);
