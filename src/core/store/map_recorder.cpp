@@ -67,7 +67,7 @@ std::string storeys_text(const GraphSnapshot& snapshot) {
 
 MapRecorder::MapRecorder(MapStore& store, const StoredMap& known)
     : store_(store), poses_(known.poses), planes_(known.planes), factors_(known.factors), merges_(known.merges) {
-  for (const auto& [id, view] : known.views) viewed_.insert(id);
+  for (const auto& [id, view] : known.views) viewed_.insert(id.value);
 }
 
 void MapRecorder::changed(const MapView& view) {
@@ -110,7 +110,7 @@ void MapRecorder::note_planes(const MapView& view, StoreBatch& batch) {
     if (written == size) continue;
     for (std::size_t i = edited ? 0 : std::min(written, size); i < size; ++i) {
       const PlaneObservation& seen = record.observations[i];
-      if (viewed_.insert(seen.factor).second) batch.views.push_back({seen.factor, seen.keyframe, seen.outline_base});
+      if (viewed_.insert(seen.factor.value).second) batch.views.push_back({seen.factor, seen.keyframe, seen.outline_base});
     }
     written = size;
   }
@@ -123,15 +123,24 @@ void MapRecorder::note_factors(const MapView& view, StoreBatch& batch) {
   const std::map<FactorId, Factor>& now = view.graph.factors();
   const bool edited = view.graph.factors_edited() != factors_edited_;
   factors_edited_ = view.graph.factors_edited();
+  // Both are in order: what is known goes along with what there is.
+  auto kept = edited ? factors_.begin() : factors_.end();
   for (auto it = edited || factors_.empty() ? now.begin() : now.upper_bound(factors_.rbegin()->first); it != now.end(); ++it) {
     const auto& [id, factor] = *it;
-    const auto [known, is_new] = factors_.try_emplace(id, factor);
-    if (!is_new && known->second == factor) continue;
-    known->second = factor;
-    batch.factors[id] = factor;
+    while (kept != factors_.end() && kept->first < id) {
+      batch.removed_factors.push_back(kept->first);
+      kept = factors_.erase(kept);
+    }
+    if (kept == factors_.end() || id < kept->first) {
+      factors_.emplace_hint(kept, id, factor);
+      batch.factors[id] = factor;
+      continue;
+    }
+    if (!(kept->second == factor)) batch.factors[id] = kept->second = factor;
+    ++kept;
   }
-  if (edited) batch.removed_factors = gone(factors_, now);
-  for (const FactorId id : batch.removed_factors) viewed_.erase(id);
+  for (; kept != factors_.end(); kept = factors_.erase(kept)) batch.removed_factors.push_back(kept->first);
+  for (const FactorId id : batch.removed_factors) viewed_.erase(id.value);
   for (const auto& [id, record] : view.graph.merges()) {
     const auto [known, is_new] = merges_.try_emplace(id, record);
     if (!is_new && same(known->second, record)) continue;

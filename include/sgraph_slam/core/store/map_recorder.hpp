@@ -1,7 +1,8 @@
 #pragma once
 
+#include <cstdint>
 #include <map>
-#include <set>
+#include <unordered_set>
 
 #include "sgraph_slam/core/store/map_observer.hpp"
 #include "sgraph_slam/core/store/map_store.hpp"
@@ -31,9 +32,9 @@ class MapRecorder : public MapObserver {
   std::map<PlaneId, StoredPlane> planes_;
   std::map<FactorId, Factor> factors_;
   std::map<PlaneId, MergeRecord> merges_;
-  std::map<PlaneId, std::size_t> views_;  ///< written of each plane
-  std::set<FactorId> viewed_;
-  std::int64_t factors_edited_ = -1;  ///< as the graph counts
+  std::map<PlaneId, std::size_t> views_;     ///< written of each plane
+  std::unordered_set<std::int64_t> viewed_;  ///< factors of the views written; asked for all of them after each edit
+  std::int64_t factors_edited_ = -1;         ///< as the graph counts
   std::map<std::string, std::string> documents_;
   std::size_t decisions_ = 0;
 };
