@@ -123,6 +123,10 @@ GraphSnapshotPtr MappingSession::optimize() {
 GraphSnapshotPtr MappingSession::snapshot() const { return tracker_ ? snapshot_ : back_end_->snapshot(); }
 const DecisionLog& MappingSession::decisions() const { return tracker_ ? log_ : back_end_->decisions(); }
 const std::vector<std::string>& MappingSession::failures() const { return back_end_->failures(); }
+const std::map<std::string, double>& MappingSession::steps() const {
+  static const std::map<std::string, double> none;
+  return tracker_ ? none : back_end_->steps();
+}
 
 void MappingSession::observe(MapObserver* observer) {
   observer_ = observer;

@@ -22,6 +22,7 @@ class BackEnd::Implementation {
   }
 
   GraphSnapshotPtr process(const Keyframe& given, const PlaneSegments& segments) {
+    builder_.clock().start();
     if (state_.session.first == 0) return map(given, segments);
     std::optional<Keyframe> keyframe;
     const std::string failure = failure_of([&] { keyframe = of_map(given); });
@@ -34,6 +35,7 @@ class BackEnd::Implementation {
     std::optional<MappingInput> input;
     std::string failure = failure_of([&] {
       input = MappingInput{without_cloud(keyframe), kept(keyframe), segments, true};
+      builder_.clock().book("cloud");
       work_on(*input);
     });
     if (failure.empty()) return shown(&keyframe);
@@ -52,6 +54,7 @@ class BackEnd::Implementation {
   GraphSnapshotPtr optimize() {
     // Asked twice (at the end of a recording, and again to save it) the map stays as it is.
     if (state_.keyframes.empty() || state_.optimized) return snapshot_;
+    builder_.clock().start();
     const std::string failure = failure_of([this] {
       builder_.optimize();
       publish(true);
@@ -69,12 +72,14 @@ class BackEnd::Implementation {
   [[nodiscard]] GraphSnapshotPtr snapshot() const { return snapshot_; }
   [[nodiscard]] const DecisionLog& decisions() const { return state_.log; }
   [[nodiscard]] const std::vector<std::string>& failures() const { return failures_; }
+  [[nodiscard]] const std::map<std::string, double>& steps() { return builder_.clock().milliseconds(); }
 
  private:
   GraphSnapshotPtr shown(const Keyframe* added) {
     if (observer_ == nullptr) return snapshot_;
     const std::string failure = failure_of([&] { observer_->changed({state_.graph, state_.planes.map, state_.log, *snapshot_, added}); });
     if (!failure.empty()) failures_.push_back("the map was not shown: " + failure);
+    builder_.clock().book("store");
     return snapshot_;
   }
 
@@ -138,6 +143,7 @@ class BackEnd::Implementation {
     good_ = std::make_unique<const MapState>(state_);
     since_.clear();
     reports_.clear();
+    builder_.clock().book("copy");
   }
 
   [[nodiscard]] MapState last_good() const { return good_ ? *good_ : MapState(state_.params, state_.planes.T_base_lidar, state_.clouds); }
@@ -155,7 +161,10 @@ class BackEnd::Implementation {
     state_.log.insert(state_.log.end(), reports_.begin(), reports_.end());
   }
 
-  void publish(bool whole) { snapshot_ = make_snapshot(state_, snapshot_->version + 1, builder_.last_solve(), whole); }
+  void publish(bool whole) {
+    snapshot_ = make_snapshot(state_, snapshot_->version + 1, builder_.last_solve(), whole);
+    builder_.clock().book("snapshot");
+  }
 
   MapState state_;
   MapObserver* observer_ = nullptr;
@@ -181,5 +190,6 @@ GraphSnapshotPtr BackEnd::optimize() { return implementation_->optimize(); }
 GraphSnapshotPtr BackEnd::snapshot() const { return implementation_->snapshot(); }
 const DecisionLog& BackEnd::decisions() const { return implementation_->decisions(); }
 const std::vector<std::string>& BackEnd::failures() const { return implementation_->failures(); }
+const std::map<std::string, double>& BackEnd::steps() const { return implementation_->steps(); }
 
 }  // namespace sgraph

@@ -51,9 +51,12 @@ bool MapBuilder::add(const MappingInput& input) {
   if (!add_keyframe(state_, input.keyframe, input.cloud)) return false;
   state_.optimized = false;
   summary_ = {};
+  clock_.book("keyframe");
   update_storeys();
+  clock_.book("storeys");
   if (input.planes) map_planes(input.keyframe, input.cloud, input.segments);
   recognise_storey();
+  clock_.book("storeys");
   place_odometry();
   return true;
 }
@@ -68,6 +71,7 @@ void MapBuilder::optimize() {
     update_places(true);
   }
   find_covariances();
+  clock_.book("covariances");
   place_odometry();
 }
 
@@ -109,9 +113,11 @@ void MapBuilder::resume_ride(KeyframeId first) {
 
 void MapBuilder::map_planes(const Keyframe& keyframe, const KeyframeCloud& cloud, const PlaneSegments& segments) {
   const AssociationResult seen = add_observations(committer_, state_.planes, keyframe, segments);
+  clock_.book("association");
   ++state_.since_global;
   ++state_.since_places;
   if (state_.params.solving.window > 0) solve_window();
+  clock_.book("solve_newest");
   update_frame();
   if (state_.params.topological_layer) {
     const int storey = state_.planes.storey_of(keyframe.id);
@@ -120,9 +126,11 @@ void MapBuilder::map_planes(const Keyframe& keyframe, const KeyframeCloud& cloud
     visit(keyframe.id);
     add_widths(committer_, state_.layer, segments, seen.planes, state_.params.topology);
   }
+  clock_.book("visit");
   const bool looped =
       close_loop(committer_, state_.loops, state_.keyframes, state_.planes.drift, state_.planes.marginals) ||
       close_loop_by_appearance(committer_, state_.loops, state_.keyframes, state_.planes.map, state_.planes.drift, state_.planes.marginals);
+  clock_.book("loops");
   // One of the two at a time: no keyframe waits for both.
   if (looped || wants_global(seen)) {
     solve_global(state_.params.solving.iterations);
@@ -221,17 +229,22 @@ void MapBuilder::solve_global(int iterations, bool all_pairs) {
     level_floors(committer_, state_.planes.map, storeys_by_lift());
     align_storeys(committer_, state_.planes.map);
   }
+  clock_.book("drop_planes");
   SolverOptions options;
   options.max_iterations = iterations;
   note(solve(state_.graph, options));
+  clock_.book("solve");
   state_.since_global = 0;
   retire_known();
+  clock_.book("retire");
   state_.planes.marginals.forget();
   state_.planes.map.refresh(state_.graph, state_.planes.frame);
   update_frame();
+  clock_.book("extents");
   std::set<PlanePair> shown;
   shown.swap(state_.pending_merges);
   merge_duplicates(committer_, state_.planes, shown, all_pairs, state_.params.solving.iterations);
+  clock_.book("merge");
 }
 
 // Those that the solves of the newest part leave alone, of the session that is going on: another one may be taken out of the map again.
@@ -277,12 +290,14 @@ void MapBuilder::take_up_places() {
 void MapBuilder::update_places(bool measure_all_doors) {
   state_.since_places = 0;
   find_places(measure_all_doors);
+  clock_.book("places");
   synchronise(committer_, state_.layer, state_.planes.map, state_.params.topology);
   add_wall_faces(committer_, state_.planes.map, state_.params.merging.max_angle, state_.params.topology);
   state_.openings.clear();
   for (const auto& [number, heights] : state_.layer.storeys()) {
     for (SceneOpening& opening : find_openings(state_.layer.places(number), path_on_storey(number))) state_.openings.push_back(std::move(opening));
   }
+  clock_.book("topology");
 }
 
 void MapBuilder::find_places(bool measure_all_doors) {

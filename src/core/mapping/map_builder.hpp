@@ -8,6 +8,7 @@
 #include "sgraph_slam/core/mapping/map_state.hpp"
 #include "sgraph_slam/core/planes/add_observations.hpp"
 #include "sgraph_slam/core/storeys/find_storeys.hpp"
+#include "sgraph_slam/core/util/step_clock.hpp"
 
 namespace sgraph {
 
@@ -37,6 +38,8 @@ class MapBuilder {
   /// All solves since the last keyframe came.
   [[nodiscard]] const SolveSummary& last_solve() const { return summary_; }
   [[nodiscard]] KeyframeId newest() const { return committer_.newest(); }
+  /// Of the steps since its start, which is the caller's.
+  [[nodiscard]] StepClock& clock() { return clock_; }
 
  private:
   void resume_drift();
@@ -65,6 +68,7 @@ class MapBuilder {
   MapState& state_;
   Committer committer_{state_.graph, state_.log};
   SolveSummary summary_;
+  StepClock clock_;
 };
 
 }  // namespace sgraph

@@ -35,8 +35,13 @@ void Run::map(const MeasuredScan& scan, StageCost& cost) {
     if (until_ < Stage::mapping) continue;
     StageClock clock;
     solves_.note(*session_.process(odometry.keyframes[i], scan.planes.at(i)));
+    note_steps();
     clock.book(Stage::mapping, cost);
   }
+}
+
+void Run::note_steps() {
+  for (const auto& [step, milliseconds] : session_.steps()) steps_[step].push_back(milliseconds);
 }
 
 StageCost Run::total_cost() const {

@@ -33,6 +33,10 @@ Json to_json(const StageFigures& figures) {
   return {{"runs", figures.runs}, {"mean", figures.mean}, {"std", figures.std}, {"p50", figures.p50}, {"p99", figures.p99}, {"max", figures.max}};
 }
 
+Json to_json(const StepFigures& figures) {
+  return {{"runs", figures.runs}, {"total_s", figures.total}, {"mean", figures.mean}, {"p99", figures.p99}, {"max", figures.max}};
+}
+
 Json to_json(const SolveSummary& solve) {
   return {{"keyframes", solve.keyframes},       {"planes", solve.planes},         {"factors", solve.factors}, {"iterations", solve.iterations},
           {"initial_cost", solve.initial_cost}, {"final_cost", solve.final_cost}, {"ms", solve.milliseconds}, {"converged", solve.converged}};
@@ -131,6 +135,11 @@ RunReport make_report(const Run& run, const RunInfo& info) {
     report.stages.push_back(figures_of(stage, records, &StageCost::wall));
     report.stages_cpu.push_back(figures_of(stage, records, &StageCost::cpu));
   }
+  for (const auto& [step, times] : run.steps()) {
+    const Statistics statistics = statistics_of(times);
+    report.mapping_steps.push_back(
+        {step, statistics.count, 1e-3 * statistics.mean * statistics.count, statistics.mean, quantile(times, 0.99), statistics.max});
+  }
   report.finish_milliseconds = run.finish_cost().wall;
   report.solves = run.solves();
   report.localisation = run.localisation();
@@ -146,6 +155,8 @@ std::string report_json(const RunReport& report) {
   }
   Json stages_cpu = Json::object();
   for (const StageFigures& figures : report.stages_cpu) stages_cpu[to_string(figures.stage)] = to_json(figures);
+  Json steps = Json::object();
+  for (const StepFigures& figures : report.mapping_steps) steps[figures.step] = to_json(figures);
   Json solves = Json::array();
   for (const SolveSummary& solve : report.solves) solves.push_back(to_json(solve));
   Json json = {{"sources", report.info.sources},
@@ -168,6 +179,7 @@ std::string report_json(const RunReport& report) {
                {"peak_memory_mib", report.peak_memory_mib},
                {"stages_ms", stages},
                {"stages_cpu_ms", stages_cpu},
+               {"mapping_steps_cpu_ms", steps},
                {"finish_ms", finish},
                {"solves", solves}};
   if (report.localisation) json["localisation"] = to_json(*report.localisation);

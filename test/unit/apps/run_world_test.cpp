@@ -74,6 +74,7 @@ TEST_F(RunWorldTest, EvaluateMeasuresAVariant) {
     EXPECT_EQ(evaluation.contains("map"), name == "full");
     const auto report = nlohmann::json::parse(read_file(at("runs/" + name + "/report.json")));
     EXPECT_GT(report.at("stages_cpu_ms").at("odometry").at("mean").get<double>(), 0);
+    EXPECT_EQ(report.at("mapping_steps_cpu_ms").contains("association"), name == "full");
     EXPECT_GT(report.at("cpu_seconds").get<double>(), 1e-3 * 30 * report.at("stages_cpu_ms").at("odometry").at("mean").get<double>());
   }
 }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -45,6 +46,7 @@ class MappingSession {
   [[nodiscard]] GraphSnapshotPtr snapshot() const;
   [[nodiscard]] const DecisionLog& decisions() const;
   [[nodiscard]] const std::vector<std::string>& failures() const;
+  [[nodiscard]] const std::map<std::string, double>& steps() const;  ///< none while localising
 
   /// Shows the map as it grows: the one taken up once it is, before that nothing. A map of its own that never found its place is shown at the end.
   void observe(MapObserver* observer);

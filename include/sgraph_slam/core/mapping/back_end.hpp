@@ -1,5 +1,6 @@
 #pragma once
 
+#include <map>
 #include <memory>
 #include <string>
 #include <vector>
@@ -46,6 +47,9 @@ class BackEnd {
 
   /// Steps that failed since the start, in words. The map is then as it was before the step: the keyframe is in it without its planes, or not at all.
   [[nodiscard]] const std::vector<std::string>& failures() const;
+
+  /// CPU time that the steps of the newest keyframe, or of optimize(), took [ms]; those that were not due are missing.
+  [[nodiscard]] const std::map<std::string, double>& steps() const;
 
  private:
   class Implementation;

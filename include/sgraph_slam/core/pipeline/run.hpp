@@ -1,7 +1,9 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "sgraph_slam/core/localisation/mapping_session.hpp"
@@ -58,9 +60,12 @@ class Run {
   [[nodiscard]] std::optional<Localisation> localisation() const { return session_.localisation(); }
   /// All graph solves in order.
   [[nodiscard]] const std::vector<SolveSummary>& solves() const { return solves_.solves(); }
+  /// CPU time of the mapping's steps [ms], each with one number a keyframe in which it was due; the recording's end is not among them.
+  [[nodiscard]] const std::map<std::string, std::vector<double>>& steps() const { return steps_; }
 
  private:
   void map(const MeasuredScan& scan, StageCost& cost);
+  void note_steps();
 
   Stage until_;
   Pose T_base_lidar_;
@@ -71,6 +76,7 @@ class Run {
   Trajectory finals_;
   Trajectory keyframes_;
   SolveHistory solves_;
+  std::map<std::string, std::vector<double>> steps_;
 };
 
 /// Base poses in the map of every scan that the snapshot's keyframes hold: the odometry's final poses, moved by the correction of the keyframes

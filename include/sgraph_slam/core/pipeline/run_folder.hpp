@@ -34,6 +34,14 @@ struct StageFigures {
   double mean = 0, std = 0, p50 = 0, p99 = 0, max = 0;  ///< [ms]
 };
 
+/// CPU time that a step of the mapping took, over the keyframes in which it was due.
+struct StepFigures {
+  std::string step;
+  int runs = 0;
+  double total = 0;                   ///< [s]
+  double mean = 0, p99 = 0, max = 0;  ///< [ms]
+};
+
 /// The figures of report.json.
 struct RunReport {
   RunInfo info;
@@ -51,6 +59,7 @@ struct RunReport {
   std::map<std::string, int> odometry_status;  ///< scans by how their motion was found
   std::vector<StageFigures> stages;            ///< time on the clock
   std::vector<StageFigures> stages_cpu;        ///< CPU time
+  std::vector<StepFigures> mapping_steps;      ///< by name
   StageTimes finish_milliseconds{};
   std::vector<SolveSummary> solves;
   std::optional<Localisation> localisation;  ///< where a map was to be taken up
