@@ -25,12 +25,10 @@ void PlaneIndex::put(PlaneId id, const Eigen::AlignedBox3d& box) {
       if (at->second.empty()) cells_.erase(at);
     });
     boxes_.erase(known);
-    long_planes_.erase(id);
   }
   if (box.isEmpty()) return;
   boxes_[id] = box;
   visit_cells(box, [&](const Cell& cell) { cells_[cell].push_back(id); });
-  if (box.diagonal().norm() > long_plane) long_planes_.insert(id);
 }
 
 std::vector<PlaneId> PlaneIndex::near(const Eigen::AlignedBox3d& box, double gap) const {

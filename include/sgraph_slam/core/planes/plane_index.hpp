@@ -2,7 +2,6 @@
 
 #include <cstdint>
 #include <map>
-#include <set>
 #include <utility>
 #include <vector>
 
@@ -23,11 +22,6 @@ class PlaneIndex {
   /// Planes whose boxes are at most `gap` [m] from the box, by id.
   [[nodiscard]] std::vector<PlaneId> near(const Eigen::AlignedBox3d& box, double gap) const;
 
-  /// A box with a longer diagonal is of a long plane: floors, the walls of halls and corridors. There are few [m].
-  static constexpr double long_plane = 8;
-  /// Long planes, by id.
-  [[nodiscard]] const std::set<PlaneId>& long_planes() const { return long_planes_; }
-
  private:
   using Cell = std::pair<std::int64_t, std::int64_t>;
 
@@ -36,7 +30,6 @@ class PlaneIndex {
 
   std::map<PlaneId, Eigen::AlignedBox3d> boxes_;
   std::map<Cell, std::vector<PlaneId>> cells_;
-  std::set<PlaneId> long_planes_;
 };
 
 }  // namespace sgraph
