@@ -22,6 +22,8 @@ constexpr int least_rays = 3;               // through a cell, for a hole
 constexpr std::size_t least_images = 40;    // points through a hole, to judge it
 constexpr double pane_returns = 0.15;       // of the cells of a hole, with points on the wall: it is glass
 constexpr double mirrored_share = 0.3;      // of the points behind a window that have something at their image
+constexpr double glass_returns = 0.3;       // of the cells of a hole, with points at the mirror's depth: it is glass, and not a door with its frame
+constexpr double glass_share = 0.15;        // of the points that rays pass behind such glass that have something at their image
 constexpr double mirrored_door = 0.45;      // the same of a hole that reaches the floor: a room may look like the one before the door
 constexpr double across = 0.3;              // most cosine between the normals of a wall and of a surface that goes on as its own image
 constexpr double on_surface = 0.1;          // [m]: what a plane's estimate and the mirror's depth may be off
@@ -117,6 +119,12 @@ class Across {
   std::vector<std::pair<Plane, Eigen::AlignedBox3d>> surfaces_;
 };
 
+// Share of a hole's cells in which something was seen where a pane would be.
+double returned(const Wall& wall, const Hole& hole, int depth) {
+  const auto count = std::count_if(hole.cells.begin(), hole.cells.end(), [&](std::uint32_t i) { return wall.returns[i] >> depth & 1; });
+  return static_cast<double>(count) / static_cast<double>(hole.cells.size());
+}
+
 // Decides whether a hole mirrors, and at which depth.
 void judge(const Wall& wall, const Across& across_it, const Seen& seen, Hole& hole) {
   if (hole.beyond.size() < least_images) return;
@@ -138,8 +146,7 @@ void judge(const Wall& wall, const Across& across_it, const Seen& seen, Hole& ho
     telling_images += seen.near(image) ? 1 : 0;
   }
   if (telling >= least_images && static_cast<double>(telling_images) < mirrored_share * static_cast<double>(telling)) return;
-  const auto returns = std::count_if(hole.cells.begin(), hole.cells.end(), [&](std::uint32_t i) { return wall.returns[i] >> hole.depth & 1; });
-  hole.mirrors = !hole.reaches_floor || static_cast<double>(returns) >= pane_returns * static_cast<double>(hole.cells.size());
+  hole.mirrors = !hole.reaches_floor || returned(wall, hole, hole.depth) >= pane_returns;
 }
 
 // Whether some of what is seen through a hole that doesn't mirror as a whole may be an image.
@@ -186,9 +193,10 @@ class Candidates {
 
 // Of what is seen through a hole that may show images, tells the voxels of images from what is there. An image is passed by rays, doesn't lie on a
 // surface that goes on behind the wall, and nobody has seen anything there but through such holes; and for the hole to show images, a good part of
-// all such points has something at its image, by the depth of one mirror.
-void tell_apart(const std::vector<Candidate>& candidates, const Wall& wall, const Across& across_it, const Seen& seen, const RayPasses& passes,
-                std::vector<std::uint64_t>& images, std::vector<Eigen::Vector3d>& there) {
+// all such points has something at its image, by the depth of one mirror. Half of that is enough where a pane is seen at this depth: between it and
+// the room, points float that are neither.
+void tell_apart(const std::vector<Candidate>& candidates, const Wall& wall, const Hole& hole, const Across& across_it, const Seen& seen,
+                const RayPasses& passes, std::vector<std::uint64_t>& images, std::vector<Eigen::Vector3d>& there) {
   std::array<std::size_t, depths> found{};
   std::vector<Candidate> passed;
   for (const Candidate& c : candidates) {
@@ -202,7 +210,8 @@ void tell_apart(const std::vector<Candidate>& candidates, const Wall& wall, cons
   }
   const auto best = std::max_element(found.begin(), found.end());
   const int depth = static_cast<int>(best - found.begin());
-  const bool glimmers = *best >= least_images && static_cast<double>(*best) >= mirrored_share * static_cast<double>(passed.size());
+  const double share = returned(wall, hole, depth) >= glass_returns ? glass_share : mirrored_share;
+  const bool glimmers = *best >= least_images && static_cast<double>(*best) >= share * static_cast<double>(passed.size());
   for (const Candidate& c : passed) {
     const Eigen::Vector3d p = c.p.cast<double>();
     if (glimmers && seen.near(image_of(p, wall, depth))) {
@@ -297,8 +306,9 @@ MirrorImages::MirrorImages(const GraphSnapshot& snapshot, const Pose& T_base_lid
   for (const Candidate& c : glimmers.all()) of_holes[c.hole].push_back(c);
   std::vector<Eigen::Vector3d> there;
   for (const auto& [i, candidates] : of_holes) {
-    const Wall& wall = walls[holes[static_cast<std::size_t>(i)].wall];
-    tell_apart(candidates, wall, Across(snapshot, wall, seen), seen, passes, images_, there);
+    const Hole& hole = holes[static_cast<std::size_t>(i)];
+    const Wall& wall = walls[hole.wall];
+    tell_apart(candidates, wall, hole, Across(snapshot, wall, seen), seen, passes, images_, there);
   }
   for (const Eigen::Vector3d& p : there) seen.add(p);
   seen.settle();

@@ -33,8 +33,8 @@ double leaves(const Vector3d& eye, const Vector3d& direction, const Vector3d& le
 }
 
 // Behind the window there is a yard, or a room 6 m deep with a shelf right where the mirrored wall would be. Glass that glimmers shows the room, and
-// to a quarter of the rays what stands before it.
-enum class Window { mirrors, shows_the_yard, shows_a_room, glimmers };
+// to a quarter of the rays what stands before it; where it flickers, more rays end anywhere between the pane and the room's end.
+enum class Window { mirrors, shows_the_yard, shows_a_room, glimmers, flickers };
 
 constexpr double room_end = 8.2;        // y
 constexpr double shelf = 2 * pane + 2;  // y: the image of the wall at y = -2
@@ -52,10 +52,14 @@ double range(const Vector3d& eye, const Vector3d& direction, Window window) {
   }
   if (at.y() > high.y() - 1e-6 && in_window(at)) {
     const double to_pane = (pane - eye.y()) / direction.y();
-    if (std::abs(direction.y()) > 0.99) return to_pane;  // head-on
+    if (std::abs(direction.y()) > (window == Window::flickers ? 0.97 : 0.99)) return to_pane;  // head-on
     if (window == Window::shows_the_yard) return direction.z() < -0.05 ? (-1 - eye.z()) / direction.z() : to_pane + 7 / direction.y();
-    if (window == Window::shows_a_room ||
-        (window == Window::glimmers && static_cast<int>(40 * std::atan2(direction.x(), direction.y()) + 100) % 4 != 0)) {
+    const int slot = static_cast<int>(40 * std::atan2(direction.x(), direction.y()) + 100) % 4;
+    if (window == Window::flickers && (slot == 1 || (slot == 2 && direction.z() > 0))) {
+      const double share = 0.5 + 0.5 * std::sin(1e4 * direction.x() + 3e4 * direction.z());
+      return (pane + 0.2 + share * (room_end - pane - 0.6) - eye.y()) / direction.y();
+    }
+    if (window == Window::shows_a_room || (window != Window::mirrors && slot != 0)) {
       const double to_shelf = (shelf - eye.y()) / direction.y();
       if (in_shelf(eye + to_shelf * direction)) return to_shelf;
       const Vector3d entered = eye + (to_pane + 1e-6) * direction;
@@ -155,6 +159,20 @@ TEST(MirrorImages, ImagesInGlassThatShowsARoomAreNotInTheMap) {
   const auto on_shelf = [](const Vector3d& p) { return std::abs(p.y() - shelf) < 0.01 && in_shelf(p); };
   EXPECT_GT(count(all, on_shelf), 50);
   EXPECT_GT(count(cleaned, on_shelf), 0.8 * count(all, on_shelf));
+}
+
+// Where the pane itself was seen, fewer of what rays pass need to be images.
+TEST(MirrorImages, ImagesAmongPointsThatFloatBehindGlassAreNotInTheMap) {
+  const GraphSnapshot snapshot = seen(Window::flickers);
+  const Cloud all = map_cloud(snapshot, {}, 0);
+  const MirrorImages images(snapshot, {});
+  const Cloud cleaned = map_cloud(snapshot, {}, 0, std::cref(images));
+  const auto mirrored_wall = [](const Vector3d& p) { return std::abs(p.y() - shelf) < 0.01 && p.z() > 0.15 && p.z() < 2.35 && !in_shelf(p); };
+  EXPECT_GT(count(all, mirrored_wall), 300);
+  EXPECT_LT(count(cleaned, mirrored_wall), 0.6 * count(all, mirrored_wall));
+  const auto end_of_room = [](const Vector3d& p) { return std::abs(p.y() - room_end) < 0.01; };
+  EXPECT_GT(count(all, end_of_room), 100);
+  EXPECT_EQ(count(cleaned, end_of_room), count(all, end_of_room));
 }
 
 TEST(MirrorImages, TheRoomBehindGlassStays) {

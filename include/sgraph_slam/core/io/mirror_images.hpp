@@ -23,7 +23,8 @@ namespace sgraph {
 ///
 /// - rays pass the place where it seems to be and end deeper behind the wall;
 /// - something was seen at its image before the wall, but no surface that runs across the wall;
-/// - the same holds for a good part of all points that rays pass so, and for one depth of the mirror;
+/// - the same holds for a good part of all points that rays pass so, and for one depth of the mirror (half that part will do where points on the pane
+///   itself were seen at that depth);
 /// - nobody has seen anything there but through such holes.
 ///
 /// So a room behind a door stays, also one that looks like the room before the door; and what lies behind a window stays when it isn't a mirror
