@@ -36,7 +36,7 @@ class CoarseCovariances final : public Covariances {
   [[nodiscard]] bool ok() const override { return ok_; }
 
   MatrixXd block(int a, int b) override {
-    const MatrixXd whole = half(a).transpose() * half(b);
+    MatrixXd whole = half(a).transpose() * half(b);
     const int keyframes = equations_.keyframes();
     if (a < keyframes && b < keyframes) return whole;
     if (a < keyframes || b < keyframes) return -whole;

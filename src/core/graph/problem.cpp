@@ -74,7 +74,7 @@ Problem::Problem(const Graph& graph, const SolveScope& scope, const std::vector<
     std::sort(ids.begin(), ids.end());
     ids.erase(std::unique(ids.begin(), ids.end()), ids.end());
   }
-  number_variables(graph, scope, std::move(ids));
+  number_variables(graph, scope, ids);
   views_.reserve(factors.size());
   for (const Factor* factor : factors) add(graph, *factor);
   for (const auto& [id, views] : fixed) {
@@ -85,7 +85,7 @@ Problem::Problem(const Graph& graph, const SolveScope& scope, const std::vector<
   }
 }
 
-void Problem::number_variables(const Graph& graph, const SolveScope& scope, std::vector<VariableId> ids) {
+void Problem::number_variables(const Graph& graph, const SolveScope& scope, const std::vector<VariableId>& ids) {
   variables_.reserve(ids.size());
   start_.reserve(ids.size());
   for (const VariableId& id : ids) {

@@ -60,7 +60,7 @@ class Problem {
     int plane;
   };
 
-  void number_variables(const Graph& graph, const SolveScope& scope, std::vector<VariableId> ids);
+  void number_variables(const Graph& graph, const SolveScope& scope, const std::vector<VariableId>& ids);
   void add(const Graph& graph, const Factor& factor);
   [[nodiscard]] int index_of(const VariableId& id) const;
   [[nodiscard]] int number(int variable) const { return variables_[static_cast<std::size_t>(variable)].number; }

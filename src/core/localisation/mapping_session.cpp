@@ -3,6 +3,7 @@
 #include <Eigen/Geometry>
 #include <sstream>
 #include <stdexcept>
+#include <utility>
 
 namespace sgraph {
 namespace {
@@ -66,15 +67,15 @@ GraphSnapshotPtr MappingSession::process(const Keyframe& keyframe, const PlaneSe
 }
 
 void MappingSession::place(Localisation found) {
-  found_ = found;
+  found_ = std::move(found);
   placed_ = true;
   localiser_.reset();
   std::vector<LocatedKeyframe> all;
   all.swap(before_);
-  log_.push_back({all.back().keyframe.id, true, "place in " + start_.map->path, found.reason});
+  log_.push_back({all.back().keyframe.id, true, "place in " + start_.map->path, found_->reason});
   if (start_.mode == MapMode::localize) {
     tracker_ = std::make_unique<MapTracker>(start_.map->reference, MapTrackerParams{params_.factors, params_.association}, T_base_lidar_,
-                                            found.T_map_odom, start_covariance());
+                                            found_->T_map_odom, start_covariance());
     for (const LocatedKeyframe& seen : all) track(seen);
     return;
   }
@@ -82,7 +83,7 @@ void MappingSession::place(Localisation found) {
   back_end_ = std::make_unique<BackEnd>(params_, T_base_lidar_, clouds_);
   KeptMap kept = kept_map(*start_.map);
   first_ = {kept.keyframes.rbegin()->first.value + 1};
-  back_end_->go_on_with(std::move(kept), found.T_map_odom, start_covariance());
+  back_end_->go_on_with(std::move(kept), found_->T_map_odom, start_covariance());
   back_end_->observe(observer_);
   for (const LocatedKeyframe& seen : all) back_end_->process(seen.keyframe, seen.segments);
 }

@@ -227,7 +227,7 @@ void MapBuilder::solve_global(int iterations, bool all_pairs) {
   drop_passing_planes(committer_, state_.planes, all_pairs);
   if (state_.params.factors.storey_factors) {
     level_floors(committer_, state_.planes.map, storeys_by_lift());
-    align_storeys(committer_, state_.planes.map);
+    align_storeys(committer_, state_.planes.map, state_.storey_groups);
   }
   clock_.book("drop_planes");
   SolverOptions options;

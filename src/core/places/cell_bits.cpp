@@ -36,7 +36,9 @@ std::vector<int> widths_of_ball(const std::function<bool(float)>& far_enough) {
   const int side = 2 * reach + 5;
   const int middle = reach + 2;
   std::vector<int> length(static_cast<std::size_t>(side * side), std::numeric_limits<int>::max() / 2);
-  const auto at = [&](int x, int y) -> int& { return length[static_cast<std::size_t>(y * side + x)]; };
+  const auto at = [&](int x, int y) -> int& {
+    return length[static_cast<std::size_t>(y) * static_cast<std::size_t>(side) + static_cast<std::size_t>(x)];
+  };
   at(middle, middle) = 0;
   const std::vector<Step> all = steps();
   for (bool changed = true; changed;) {
@@ -130,8 +132,9 @@ CellBits further_inside(const CellBits& cells, const std::function<bool(float)>&
         narrowed[k][static_cast<std::size_t>(w)] = from[w] & left & right;
       }
     }
-    for (int off = -reach; off <= reach; ++off) {
-      const int width = widths[static_cast<std::size_t>(off + reach)];
+    for (std::size_t k = 0; k < widths.size(); ++k) {
+      const int off = static_cast<int>(k) - reach;
+      const int width = widths[k];
       if (width < 0 || y + off < 0 || y + off >= cells.height_) continue;
       std::uint64_t* to = inside.row(y + off);
       const std::vector<std::uint64_t>& own = narrowed[static_cast<std::size_t>(width)];

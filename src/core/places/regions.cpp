@@ -172,7 +172,7 @@ Regions find_regions(const FreeSpace& space, const std::vector<WallLine>& lines,
     const int x = static_cast<int>(c.x()) - regions.window.x;
     const int y = static_cast<int>(c.y()) - regions.window.y;
     if (x < 0 || y < 0 || x >= w || y >= h) continue;
-    const int region = regions.label[static_cast<std::size_t>(y * w + x)];
+    const int region = regions.label[static_cast<std::size_t>(y) * static_cast<std::size_t>(w) + static_cast<std::size_t>(x)];
     if (region >= 0 && deep.at(x, y)) regions.entered[static_cast<std::size_t>(region)] = 1;
   }
   return regions;

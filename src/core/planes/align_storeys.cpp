@@ -20,6 +20,7 @@ constexpr double across = 0.5;       // sine between walls that hold both direct
 constexpr std::size_t views = 3;     // of a wall
 constexpr std::size_t longest = 40;  // walls above walls that a shift is looked for with; all count for it
 constexpr double chance = 0.01;      // false alarms that are taken for none
+constexpr double nothing = 10;       // [m] where walls stand, between storeys whose heights against each other are unknown
 constexpr double let_go = 2.5;       // of sigma
 
 // A wall above a wall, and how far it is ahead of it at both ends of what they share.
@@ -54,7 +55,7 @@ std::optional<Candidate> above(const PlaneRecord& a, const PlaneRecord& b) {
   Candidate candidate;
   const Eigen::Vector2d from = lower.at(begin);
   const Eigen::Vector2d to = lower.at(end);
-  candidate.walls = {a.id, b.id, {from.x(), from.y(), a.middle}, {to.x(), to.y(), a.middle}, b.middle - a.middle, sigma};
+  candidate.walls = {a.id, b.id, {from.x(), from.y(), a.middle}, {to.x(), to.y(), a.middle}, b.middle - a.middle, sigma, sigma};
   candidate.normal = lower.normal;
   candidate.ahead = -Eigen::Vector2d(upper.distance(from), upper.distance(to));
   if (candidate.ahead.cwiseAbs().maxCoeff() > reach) return std::nullopt;
@@ -164,8 +165,12 @@ std::optional<StoreyFit> fit_storeys(const PlaneMap& planes, int lower, int uppe
   return result;
 }
 
-int align_storeys(Committer& committer, const PlaneMap& planes) {
-  std::map<int, std::map<PlanePair, FactorId>> joined;  // by the upper storey
+int align_storeys(Committer& committer, const PlaneMap& planes, const std::vector<int>& height_groups) {
+  const auto group = [&height_groups](int storey) {
+    const auto k = static_cast<std::size_t>(storey);
+    return k < height_groups.size() ? height_groups[k] : 0;
+  };
+  std::map<int, std::map<PlanePair, std::pair<FactorId, double>>> joined;  // by the upper storey
   std::set<int> storeys;
   for (const auto& [id, record] : planes.records()) {
     if (record.storey >= 0) storeys.insert(record.storey);
@@ -174,7 +179,7 @@ int align_storeys(Committer& committer, const PlaneMap& planes) {
   for (const auto& [id, factor] : committer.graph.factors()) {
     const auto* walls = std::get_if<AlignedWalls>(&factor.data);
     const PlaneRecord* upper = walls == nullptr ? nullptr : planes.find(walls->b);
-    if (upper != nullptr) joined[upper->storey][{walls->a, walls->b}] = id;
+    if (upper != nullptr) joined[upper->storey][{walls->a, walls->b}] = {id, walls->shift_sigma};
   }
   Transaction edit;
   edit.reason = "walls stand on walls";
@@ -183,14 +188,22 @@ int align_storeys(Committer& committer, const PlaneMap& planes) {
     for (const int lower : storeys) {
       if (lower >= upper) break;
       auto fit = fit_storeys(planes, lower, upper);
+      if (fit && group(lower) != group(upper)) {
+        for (AlignedWalls& walls : fit->walls) walls.shift_sigma = nothing;
+      }
       if (fit && (!best || fit->walls.size() > best->walls.size())) best = std::move(fit);
     }
     if (!best) continue;
-    std::map<PlanePair, FactorId>& before = joined[upper];
+    auto& before = joined[upper];
     for (const AlignedWalls& walls : best->walls) {
-      if (before.erase({walls.a, walls.b}) == 0) add_factor(edit, walls, RobustLoss::huber(let_go));
+      const auto known = before.find({walls.a, walls.b});
+      if (known != before.end() && known->second.second == walls.shift_sigma) {
+        before.erase(known);
+      } else {
+        add_factor(edit, walls, RobustLoss::huber(let_go));
+      }
     }
-    for (const auto& [pair, factor] : before) edit.remove_factors.push_back(factor);
+    for (const auto& [pair, factor] : before) edit.remove_factors.push_back(factor.first);
   }
   const auto changes = static_cast<int>(edit.factors.size() + edit.remove_factors.size());
   return changes == 0 || !committer.commit(edit).ok() ? 0 : changes;

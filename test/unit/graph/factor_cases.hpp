@@ -41,7 +41,7 @@ inline FactorData random_factor(Draw& draw, int kind, const Graph& graph) {
     case 8: return CorridorPlane{{0}, p, static_cast<CorridorSide>(draw.below(2)), sigma};
     case 9: return RoomWidth{{0}, a, draw.below(2), draw.uniform(2, 9), sigma};
     case 10: return CorridorWidth{{0}, a, draw.uniform(1, 4), sigma};
-    default: return AlignedWalls{p, q, draw.normals<3>(10.0), draw.normals<3>(10.0), draw.uniform(-4, 4), sigma};
+    default: return AlignedWalls{p, q, draw.normals<3>(10.0), draw.normals<3>(10.0), draw.uniform(-4, 4), sigma, draw.uniform(0.005, 0.1)};
   }
 }
 

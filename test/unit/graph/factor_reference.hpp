@@ -127,8 +127,10 @@ struct FactorReference {
   template <class T>
   void evaluate(const AlignedWalls& f, T const* const* x, T* e) const {
     const Eigen::Vector3d up(0, 0, f.rise);
-    e[0] = (distance(x[0], f.from.cast<T>().eval()) - distance(x[1], (f.from + up).cast<T>().eval())) / T(f.sigma);
-    e[1] = (distance(x[0], f.to.cast<T>().eval()) - distance(x[1], (f.to + up).cast<T>().eval())) / T(f.sigma);
+    const T from = distance(x[0], f.from.cast<T>().eval()) - distance(x[1], (f.from + up).cast<T>().eval());
+    const T to = distance(x[0], f.to.cast<T>().eval()) - distance(x[1], (f.to + up).cast<T>().eval());
+    e[0] = (from + to) / T(std::sqrt(2.0) * f.shift_sigma);
+    e[1] = (from - to) / T(std::sqrt(2.0) * f.sigma);
   }
   template <class T>
   void evaluate(const RoomPlane& f, T const* const* x, T* e) const {

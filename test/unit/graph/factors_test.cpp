@@ -207,7 +207,7 @@ TEST_P(EachFactor, IsZeroWithItsMeasurementFulfilled) {
         const Eigen::Vector3d at = draw.normals<3>();
         const Eigen::Vector3d up(0, 0, 3);
         graph.set(wall, Plane{p.normal, p.d - p.normal.dot(up)});
-        factor = AlignedWalls{{0}, wall, at, at + 4 * tangent_basis(p.normal).col(0), 3, 0.01};
+        factor = AlignedWalls{{0}, wall, at, at + 4 * tangent_basis(p.normal).col(0), 3, 0.01, 0.02};
         break;
       }
     }

@@ -89,18 +89,33 @@ TEST(AlignStoreys, WallsStandOnWalls) {
   const auto plan = joined(facade(), partitions(0));
   TwoStoreys building(plan, plan, drift);
   EXPECT_GT(building.off(), 0.03);
-  EXPECT_EQ(align_storeys(building.committer, building.planes), static_cast<int>(plan.size()));
+  EXPECT_EQ(align_storeys(building.committer, building.planes, {0, 0}), static_cast<int>(plan.size()));
   solve(building.graph, {});
   EXPECT_LT(building.off(), 0.003);
   EXPECT_LT(building.turned(), 0.0005);
   building.planes.refresh(building.graph, {});
-  EXPECT_EQ(align_storeys(building.committer, building.planes), 0);  // they are joined
+  EXPECT_EQ(align_storeys(building.committer, building.planes, {0, 0}), 0);  // they are joined
+}
+
+// Walls that lean would otherwise say how high the storey is.
+TEST(AlignStoreys, OverAnUnknownHeightWallsHoldTheHeadingAlone) {
+  const auto plan = joined(facade(), partitions(0));
+  TwoStoreys building(plan, plan, drift);
+  const double off = building.off();
+  EXPECT_EQ(align_storeys(building.committer, building.planes, {0, 1}), static_cast<int>(plan.size()));
+  solve(building.graph, {});
+  EXPECT_NEAR(building.off(), off, 0.02);
+  EXPECT_LT(building.turned(), 0.0015);
+  // The height becomes known.
+  EXPECT_EQ(align_storeys(building.committer, building.planes, {0, 0}), 2 * static_cast<int>(plan.size()));
+  solve(building.graph, {});
+  EXPECT_LT(building.off(), 0.003);
 }
 
 TEST(AlignStoreys, PartitionsElsewhereJoinNothing) {
   // The upper storey's stand 20 cm beside the lower's: near enough to be asked, and wrong.
   TwoStoreys building(joined(facade(), partitions(0)), joined(facade(), partitions(0.2)), {});
-  const int changes = align_storeys(building.committer, building.planes);
+  const int changes = align_storeys(building.committer, building.planes, {0, 0});
   solve(building.graph, {});
   EXPECT_LE(changes, 4);  // the facade, when it is enough to tell
   EXPECT_LT(building.off(), 0.001);
@@ -111,19 +126,19 @@ TEST(AlignStoreys, WhatAgreesByChanceIsNotJoined) {
   const std::vector<Side> other{{{0.12, 0}, {0.12, 8}}, {{10, 0.2}, {0, 0.2}},  {{3.25, 0}, {3.25, 8}},
                                 {{3, 4}, {10, 4}},      {{2.85, 8}, {2.85, 0}}, {{10, 3.6}, {3, 3.6}}};
   TwoStoreys building(joined(facade(), partitions(0)), other, {});
-  EXPECT_EQ(align_storeys(building.committer, building.planes), 0);
+  EXPECT_EQ(align_storeys(building.committer, building.planes, {0, 0}), 0);
 }
 
 TEST(AlignStoreys, WallsOfOneDirectionSayNothingOfTheOther) {
   const std::vector<Side> hall{{{0, 0}, {10, 0}}, {{10, 8}, {0, 8}}, {{0, 4}, {10, 4}}, {{10, 3.85}, {0, 3.85}}, {{0, 6}, {10, 6}}};
   TwoStoreys building(hall, hall, drift);
-  EXPECT_EQ(align_storeys(building.committer, building.planes), 0);
+  EXPECT_EQ(align_storeys(building.committer, building.planes, {0, 0}), 0);
 }
 
 TEST(AlignStoreys, AJoinThatNoLongerAgreesIsTakenBack) {
   const auto plan = joined(facade(), partitions(0));
   TwoStoreys building(plan, plan, {});
-  align_storeys(building.committer, building.planes);
+  align_storeys(building.committer, building.planes, {0, 0});
   ASSERT_EQ(building.aligned(), plan.size());
   // One wall turns out to stand elsewhere.
   const PlaneId wall{104};
@@ -131,7 +146,7 @@ TEST(AlignStoreys, AJoinThatNoLongerAgreesIsTakenBack) {
   moved.d += 0.15;
   building.graph.set(wall, moved);
   building.planes.refresh(building.graph, {});
-  EXPECT_EQ(align_storeys(building.committer, building.planes), 1);
+  EXPECT_EQ(align_storeys(building.committer, building.planes, {0, 0}), 1);
   EXPECT_EQ(building.aligned(), plan.size() - 1);
 }
 

@@ -21,8 +21,9 @@ struct StoreyFit {
 /// them). Nothing when as many could agree by chance, or all run in one direction. Walls that were seen from fewer than three keyframes don't count.
 std::optional<StoreyFit> fit_storeys(const PlaneMap& planes, int lower, int upper);
 
-/// Joins the walls of each storey to those of the earlier one with which most of them agree (`AlignedWalls`), in place of those joined before.
-/// Returns how many factors were added or removed.
-int align_storeys(Committer& committer, const PlaneMap& planes);
+/// Joins the walls of each storey to those of the earlier one with which most of them agree (`AlignedWalls`), in place of those joined before; in
+/// heading alone where the heights of the two against each other are unknown (`height_groups`: of each storey; known within a group). Returns how
+/// many factors were added or removed.
+int align_storeys(Committer& committer, const PlaneMap& planes, const std::vector<int>& height_groups);
 
 }  // namespace sgraph

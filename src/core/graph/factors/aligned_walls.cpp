@@ -1,5 +1,7 @@
 #include "sgraph_slam/core/graph/factors/aligned_walls.hpp"
 
+#include <cmath>
+
 #include "tangent_cost.hpp"
 
 namespace sgraph {
@@ -8,24 +10,28 @@ namespace {
 class AlignedWallsCost final : public TangentCost<AlignedWallsCost, 2, PlaneBlock, PlaneBlock> {
  public:
   explicit AlignedWallsCost(const AlignedWalls& factor)
-      : below_{factor.from, factor.to}, rise_(factor.rise * Eigen::Vector3d::UnitZ()), weight_(1.0 / factor.sigma) {}
+      : from_(factor.from),
+        to_(factor.to),
+        rise_(factor.rise * Eigen::Vector3d::UnitZ()),
+        weights_(M_SQRT1_2 / factor.shift_sigma, M_SQRT1_2 / factor.sigma) {}
 
   void evaluate(const Plane& a, const Plane& b, Residual& e, Jacobians* jacobians) const {
-    for (int i = 0; i < 2; ++i) {
-      const Eigen::Vector3d& below = below_[static_cast<std::size_t>(i)];
-      const Eigen::Vector3d above = below + rise_;
-      e[i] = weight_ * (a.distance(below) - b.distance(above));
-      if (jacobians == nullptr) continue;
-      auto& [by_a, by_b] = *jacobians;
-      by_a.row(i) << weight_ * below.transpose() * tangent_basis(a.normal), weight_;
-      by_b.row(i) << -weight_ * above.transpose() * tangent_basis(b.normal), -weight_;
-    }
+    const double at_from = a.distance(from_) - b.distance(from_ + rise_);
+    const double at_to = a.distance(to_) - b.distance(to_ + rise_);
+    e << weights_[0] * (at_from + at_to), weights_[1] * (at_from - at_to);
+    if (jacobians == nullptr) return;
+    auto& [by_a, by_b] = *jacobians;
+    by_a << weights_[0] * (from_ + to_).transpose() * tangent_basis(a.normal), 2 * weights_[0],
+        weights_[1] * (from_ - to_).transpose() * tangent_basis(a.normal), 0;
+    by_b << -weights_[0] * (from_ + to_ + 2 * rise_).transpose() * tangent_basis(b.normal), -2 * weights_[0],
+        -weights_[1] * (from_ - to_).transpose() * tangent_basis(b.normal), 0;
   }
 
  private:
-  std::array<Eigen::Vector3d, 2> below_;
+  Eigen::Vector3d from_;
+  Eigen::Vector3d to_;
   Eigen::Vector3d rise_;
-  double weight_;
+  Eigen::Vector2d weights_;
 };
 
 }  // namespace
