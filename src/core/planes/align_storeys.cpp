@@ -6,6 +6,7 @@
 
 #include <Eigen/Dense>
 
+#include "sgraph_slam/core/planes/level_floors.hpp"
 #include "sgraph_slam/core/planes/merging.hpp"
 
 namespace sgraph {
@@ -20,7 +21,8 @@ constexpr double across = 0.5;       // sine between walls that hold both direct
 constexpr std::size_t views = 3;     // of a wall
 constexpr std::size_t longest = 40;  // walls above walls that a shift is looked for with; all count for it
 constexpr double chance = 0.01;      // false alarms that are taken for none
-constexpr double nothing = 10;       // [m] where walls stand, between storeys whose heights against each other are unknown
+constexpr double drawn = 0.05;       // [m] to which a floor of unknown height stays where it is drawn
+constexpr double anyhow = 10;        // [m] holds nothing
 constexpr double let_go = 2.5;       // of sigma
 
 // A wall above a wall, and how far it is ahead of it at both ends of what they share.
@@ -112,6 +114,15 @@ std::optional<Eigen::Vector3d> guess(const Candidate& one, const Candidate& othe
   return solver.solve(b);
 }
 
+// Walls that lean would tell the height of a storey by where they stand, and it isn't known: so it stays where it is drawn, beside the other.
+std::optional<AlignedWalls> at_one_height(const Graph& graph, const PlaneMap& planes, int lower, int upper) {
+  const std::optional<PlaneId> below = largest_floor(graph, planes, lower);
+  const std::optional<PlaneId> above = largest_floor(graph, planes, upper);
+  if (!below || !above) return std::nullopt;
+  const Eigen::Vector3d middle = outline_center(planes.find(*above)->outline);
+  return AlignedWalls{*below, *above, middle, middle, 0, anyhow, drawn};
+}
+
 // Probability that at least k of n walls agree, each with probability p.
 double at_least(std::size_t k, std::size_t n, double p) {
   double sum = 0;
@@ -136,6 +147,7 @@ std::optional<StoreyFit> fit_storeys(const PlaneMap& planes, int lower, int uppe
   }
   if (candidates.size() < 4) return std::nullopt;
   StoreyFit result;
+  result.lower = lower;
   for (const Candidate& candidate : candidates) result.middle += 0.5 * (candidate.walls.from + candidate.walls.to).head<2>();
   result.middle /= static_cast<double>(candidates.size());
   std::stable_sort(candidates.begin(), candidates.end(), [](const Candidate& a, const Candidate& b) { return a.length() > b.length(); });
@@ -188,12 +200,12 @@ int align_storeys(Committer& committer, const PlaneMap& planes, const std::vecto
     for (const int lower : storeys) {
       if (lower >= upper) break;
       auto fit = fit_storeys(planes, lower, upper);
-      if (fit && group(lower) != group(upper)) {
-        for (AlignedWalls& walls : fit->walls) walls.shift_sigma = nothing;
-      }
       if (fit && (!best || fit->walls.size() > best->walls.size())) best = std::move(fit);
     }
     if (!best) continue;
+    if (group(best->lower) != group(upper)) {
+      if (const auto floors = at_one_height(committer.graph, planes, best->lower, upper)) best->walls.push_back(*floors);
+    }
     auto& before = joined[upper];
     for (const AlignedWalls& walls : best->walls) {
       const auto known = before.find({walls.a, walls.b});

@@ -12,6 +12,18 @@ constexpr double steep = 0.01;    // [rad] a floor that slopes by more is meant 
 constexpr double let_go = 5;      // of these: a floor that slopes pulls with a limited force
 constexpr std::size_t views = 3;  // of a floor
 
+bool joined(const Graph& graph, const PlaneMap& planes, int storey) {
+  return std::any_of(graph.factors().begin(), graph.factors().end(), [&](const auto& entry) {
+    const auto* pair = std::get_if<ParallelPlanes>(&entry.second.data);
+    if (pair == nullptr) return false;
+    const PlaneRecord* a = planes.find(pair->a);
+    const PlaneRecord* b = planes.find(pair->b);
+    return a != nullptr && b != nullptr && a->storey != b->storey && (a->storey == storey || b->storey == storey);
+  });
+}
+
+}  // namespace
+
 std::optional<PlaneId> largest_floor(const Graph& graph, const PlaneMap& planes, int storey) {
   std::optional<PlaneId> largest;
   double most = 0;
@@ -25,18 +37,6 @@ std::optional<PlaneId> largest_floor(const Graph& graph, const PlaneMap& planes,
   }
   return largest;
 }
-
-bool joined(const Graph& graph, const PlaneMap& planes, int storey) {
-  return std::any_of(graph.factors().begin(), graph.factors().end(), [&](const auto& entry) {
-    const auto* pair = std::get_if<ParallelPlanes>(&entry.second.data);
-    if (pair == nullptr) return false;
-    const PlaneRecord* a = planes.find(pair->a);
-    const PlaneRecord* b = planes.find(pair->b);
-    return a != nullptr && b != nullptr && a->storey != b->storey && (a->storey == storey || b->storey == storey);
-  });
-}
-
-}  // namespace
 
 int level_floors(Committer& committer, const PlaneMap& planes, const std::set<int>& by_lift) {
   std::set<int> storeys;

@@ -10,6 +10,7 @@ namespace sgraph {
 
 /// How one storey lies over another, by the walls of both.
 struct StoreyFit {
+  int lower = 0;
   Eigen::Vector3d shift =
       Eigen::Vector3d::Zero();  ///< of the upper storey against the lower: x, y [m], turn about the map's z through `middle` [rad]
   Eigen::Vector2d middle = Eigen::Vector2d::Zero();
@@ -21,9 +22,9 @@ struct StoreyFit {
 /// them). Nothing when as many could agree by chance, or all run in one direction. Walls that were seen from fewer than three keyframes don't count.
 std::optional<StoreyFit> fit_storeys(const PlaneMap& planes, int lower, int upper);
 
-/// Joins the walls of each storey to those of the earlier one with which most of them agree (`AlignedWalls`), in place of those joined before; in
-/// heading alone where the heights of the two against each other are unknown (`height_groups`: of each storey; known within a group). Returns how
-/// many factors were added or removed.
+/// Joins the walls of each storey to those of the earlier one with which most of them agree (`AlignedWalls`), in place of those joined before. Where
+/// the heights of the two against each other are unknown (`height_groups`: of each storey; known within a group), the floor of the upper one is drawn
+/// beside the other's until they are. Returns how many factors were added or removed.
 int align_storeys(Committer& committer, const PlaneMap& planes, const std::vector<int>& height_groups);
 
 }  // namespace sgraph

@@ -1,11 +1,15 @@
 #pragma once
 
+#include <optional>
 #include <set>
 
 #include "sgraph_slam/core/graph/committer.hpp"
 #include "sgraph_slam/core/planes/plane_map.hpp"
 
 namespace sgraph {
+
+/// The largest floor of a storey that at least three keyframes have seen.
+std::optional<PlaneId> largest_floor(const Graph& graph, const PlaneMap& planes, int storey);
 
 /// Floors of one building are level: joins the largest floor of each storey to the first storey's largest by `ParallelPlanes`, once both have been
 /// seen from three keyframes. A floor that slopes is left alone, but not on a storey that a lift led to: on the way there nothing held the tilt.

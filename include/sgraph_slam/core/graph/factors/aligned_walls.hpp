@@ -14,8 +14,8 @@ namespace sgraph {
 ///
 /// from, to: where the stretch that both have begins and ends, at the height of wall a, map frame, constants; rise: how far above it wall b is, so
 /// that a wall that leans is compared with the other at their own heights. The first residual holds where the walls stand, the second their
-/// direction, as well as their length allows. Between storeys whose heights against each other are unknown the first must hold next to nothing: walls
-/// that lean would tell a height by where they stand. Blocks: plane a, plane b. Source: design: Storeys.
+/// direction, as well as their length allows. Two floors that are drawn at one height are joined by the first alone. Blocks: plane a, plane b.
+/// Source: design: Storeys.
 struct AlignedWalls {
   PlaneId a;
   PlaneId b;
