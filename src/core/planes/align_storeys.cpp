@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <optional>
+#include <set>
 
 #include <Eigen/Dense>
 
@@ -182,7 +184,7 @@ int align_storeys(Committer& committer, const PlaneMap& planes, const std::vecto
     const auto k = static_cast<std::size_t>(storey);
     return k < height_groups.size() ? height_groups[k] : 0;
   };
-  std::map<int, std::map<PlanePair, std::pair<FactorId, double>>> joined;  // by the upper storey
+  std::map<int, std::map<PlanePair, FactorId>> joined;  // by the upper storey
   std::set<int> storeys;
   for (const auto& [id, record] : planes.records()) {
     if (record.storey >= 0) storeys.insert(record.storey);
@@ -191,7 +193,7 @@ int align_storeys(Committer& committer, const PlaneMap& planes, const std::vecto
   for (const auto& [id, factor] : committer.graph.factors()) {
     const auto* walls = std::get_if<AlignedWalls>(&factor.data);
     const PlaneRecord* upper = walls == nullptr ? nullptr : planes.find(walls->b);
-    if (upper != nullptr) joined[upper->storey][{walls->a, walls->b}] = {id, walls->shift_sigma};
+    if (upper != nullptr) joined[upper->storey][{walls->a, walls->b}] = id;
   }
   Transaction edit;
   edit.reason = "walls stand on walls";
@@ -206,16 +208,11 @@ int align_storeys(Committer& committer, const PlaneMap& planes, const std::vecto
     if (group(best->lower) != group(upper)) {
       if (const auto floors = at_one_height(committer.graph, planes, best->lower, upper)) best->walls.push_back(*floors);
     }
-    auto& before = joined[upper];
+    std::map<PlanePair, FactorId>& before = joined[upper];
     for (const AlignedWalls& walls : best->walls) {
-      const auto known = before.find({walls.a, walls.b});
-      if (known != before.end() && known->second.second == walls.shift_sigma) {
-        before.erase(known);
-      } else {
-        add_factor(edit, walls, RobustLoss::huber(let_go));
-      }
+      if (before.erase({walls.a, walls.b}) == 0) add_factor(edit, walls, RobustLoss::huber(let_go));
     }
-    for (const auto& [pair, factor] : before) edit.remove_factors.push_back(factor.first);
+    for (const auto& [pair, factor] : before) edit.remove_factors.push_back(factor);
   }
   const auto changes = static_cast<int>(edit.factors.size() + edit.remove_factors.size());
   return changes == 0 || !committer.commit(edit).ok() ? 0 : changes;

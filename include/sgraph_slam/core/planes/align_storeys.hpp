@@ -10,9 +10,9 @@ namespace sgraph {
 
 /// How one storey lies over another, by the walls of both.
 struct StoreyFit {
-  int lower = 0;
-  Eigen::Vector3d shift =
-      Eigen::Vector3d::Zero();  ///< of the upper storey against the lower: x, y [m], turn about the map's z through `middle` [rad]
+  int lower = 0;  ///< the storey below
+  /// Of the upper storey against the lower: x, y [m], turn about the map's z through `middle` [rad].
+  Eigen::Vector3d shift = Eigen::Vector3d::Zero();
   Eigen::Vector2d middle = Eigen::Vector2d::Zero();
   std::vector<AlignedWalls> walls;  ///< that agree with it
   double false_alarms = 0;          ///< expected number of shifts that so many walls agree with by chance
