@@ -45,9 +45,7 @@ struct Candidate {
   }
 };
 
-std::optional<Candidate> above(const PlaneRecord& a, const PlaneRecord& b) {
-  const Wall& lower = *a.wall;
-  const Wall& upper = *b.wall;
+std::optional<Candidate> above(const PlaneMap& planes, const Wall& lower, const Wall& upper) {
   if (lower.normal.dot(upper.normal) < std::cos(along)) return std::nullopt;
   const Interval mine = hull(lower.support);
   const Interval its = hull(upper.support);
@@ -56,22 +54,16 @@ std::optional<Candidate> above(const PlaneRecord& a, const PlaneRecord& b) {
   const double begin = std::max(mine.low, std::min(p, q));
   const double end = std::min(mine.high, std::max(p, q));
   if (end - begin < shortest) return std::nullopt;
+  const double height = planes.find(lower.id)->middle;
+  const double rise = planes.find(upper.id)->middle - height;
   Candidate candidate;
   const Eigen::Vector2d from = lower.at(begin);
   const Eigen::Vector2d to = lower.at(end);
-  candidate.walls = {a.id, b.id, {from.x(), from.y(), a.middle}, {to.x(), to.y(), a.middle}, b.middle - a.middle, sigma, sigma};
+  candidate.walls = {lower.id, upper.id, {from.x(), from.y(), height}, {to.x(), to.y(), height}, rise, sigma, sigma};
   candidate.normal = lower.normal;
   candidate.ahead = -Eigen::Vector2d(upper.distance(from), upper.distance(to));
   if (candidate.ahead.cwiseAbs().maxCoeff() > reach) return std::nullopt;
   return candidate;
-}
-
-std::vector<const PlaneRecord*> walls_of(const PlaneMap& planes, int storey) {
-  std::vector<const PlaneRecord*> walls;
-  for (const auto& [id, record] : planes.records()) {
-    if (record.storey == storey && record.wall && record.keyframes.size() >= views) walls.push_back(&record);
-  }
-  return walls;
 }
 
 bool agrees(const Candidate& candidate, const Eigen::Vector3d& shift, const Eigen::Vector2d& middle) {
@@ -137,21 +129,20 @@ double at_least(std::size_t k, std::size_t n, double p) {
   return sum;
 }
 
-}  // namespace
-
-std::optional<StoreyFit> fit_storeys(const PlaneMap& planes, int lower, int upper) {
+// Looks for the shift under which walls of one storey stand above walls of another, and returns those that agree with it. None when as many could
+// agree by chance, or all run in one direction.
+std::vector<AlignedWalls> walls_on_walls(const PlaneMap& planes, int lower, int upper) {
   std::vector<Candidate> candidates;
-  const std::vector<const PlaneRecord*> below = walls_of(planes, lower);
-  for (const PlaneRecord* wall : walls_of(planes, upper)) {
-    for (const PlaneRecord* other : below) {
-      if (const auto candidate = above(*other, *wall)) candidates.push_back(*candidate);
+  const std::vector<Wall> below = planes.walls(views, 0, lower);
+  for (const Wall& wall : planes.walls(views, 0, upper)) {
+    for (const Wall& other : below) {
+      if (const auto candidate = above(planes, other, wall)) candidates.push_back(*candidate);
     }
   }
-  if (candidates.size() < 4) return std::nullopt;
-  StoreyFit result;
-  result.lower = lower;
-  for (const Candidate& candidate : candidates) result.middle += 0.5 * (candidate.walls.from + candidate.walls.to).head<2>();
-  result.middle /= static_cast<double>(candidates.size());
+  if (candidates.size() < 4) return {};
+  Eigen::Vector2d middle = Eigen::Vector2d::Zero();
+  for (const Candidate& candidate : candidates) middle += 0.5 * (candidate.walls.from + candidate.walls.to).head<2>();
+  middle /= static_cast<double>(candidates.size());
   std::stable_sort(candidates.begin(), candidates.end(), [](const Candidate& a, const Candidate& b) { return a.length() > b.length(); });
 
   Fit best;
@@ -163,21 +154,23 @@ std::optional<StoreyFit> fit_storeys(const PlaneMap& planes, int lower, int uppe
       const Eigen::Vector2d& m = candidates[j].normal;
       if (std::abs(n.x() * m.y() - n.y() * m.x()) < across) continue;
       ++tried;
-      const auto first = guess(candidates[i], candidates[j], result.middle);
-      const auto fit = first ? refined(candidates, result.middle, *first) : std::nullopt;
+      const auto first = guess(candidates[i], candidates[j], middle);
+      const auto fit = first ? refined(candidates, middle, *first) : std::nullopt;
       if (fit && fit->count > best.count) best = *fit;
     }
   }
-  if (best.count < 3) return std::nullopt;
+  if (best.count < 3) return {};
   // Two walls make any shift; the others lie within reach of each other wherever they like.
-  result.false_alarms = static_cast<double>(tried) * at_least(best.count - 2, candidates.size() - 2, agree / reach);
-  if (result.false_alarms > chance) return std::nullopt;
-  result.shift = best.shift;
+  const double false_alarms = static_cast<double>(tried) * at_least(best.count - 2, candidates.size() - 2, agree / reach);
+  if (false_alarms > chance) return {};
+  std::vector<AlignedWalls> walls;
   for (const Candidate& candidate : candidates) {
-    if (agrees(candidate, best.shift, result.middle)) result.walls.push_back(candidate.walls);
+    if (agrees(candidate, best.shift, middle)) walls.push_back(candidate.walls);
   }
-  return result;
+  return walls;
 }
+
+}  // namespace
 
 int align_storeys(Committer& committer, const PlaneMap& planes, const std::vector<int>& height_groups) {
   const auto group = [&height_groups](int storey) {
@@ -185,10 +178,7 @@ int align_storeys(Committer& committer, const PlaneMap& planes, const std::vecto
     return k < height_groups.size() ? height_groups[k] : 0;
   };
   std::map<int, std::map<PlanePair, FactorId>> joined;  // by the upper storey
-  std::set<int> storeys;
-  for (const auto& [id, record] : planes.records()) {
-    if (record.storey >= 0) storeys.insert(record.storey);
-  }
+  const std::set<int> storeys = storeys_of(planes);
   if (storeys.size() < 2) return 0;
   for (const auto& [id, factor] : committer.graph.factors()) {
     const auto* walls = std::get_if<AlignedWalls>(&factor.data);
@@ -198,18 +188,21 @@ int align_storeys(Committer& committer, const PlaneMap& planes, const std::vecto
   Transaction edit;
   edit.reason = "walls stand on walls";
   for (const int upper : storeys) {
-    std::optional<StoreyFit> best;
+    int below = 0;
+    std::vector<AlignedWalls> best;
     for (const int lower : storeys) {
       if (lower >= upper) break;
-      auto fit = fit_storeys(planes, lower, upper);
-      if (fit && (!best || fit->walls.size() > best->walls.size())) best = std::move(fit);
+      std::vector<AlignedWalls> walls = walls_on_walls(planes, lower, upper);
+      if (walls.size() <= best.size()) continue;
+      below = lower;
+      best = std::move(walls);
     }
-    if (!best) continue;
-    if (group(best->lower) != group(upper)) {
-      if (const auto floors = at_one_height(committer.graph, planes, best->lower, upper)) best->walls.push_back(*floors);
+    if (best.empty()) continue;
+    if (group(below) != group(upper)) {
+      if (const auto floors = at_one_height(committer.graph, planes, below, upper)) best.push_back(*floors);
     }
     std::map<PlanePair, FactorId>& before = joined[upper];
-    for (const AlignedWalls& walls : best->walls) {
+    for (const AlignedWalls& walls : best) {
       if (before.erase({walls.a, walls.b}) == 0) add_factor(edit, walls, RobustLoss::huber(let_go));
     }
     for (const auto& [pair, factor] : before) edit.remove_factors.push_back(factor);

@@ -4,6 +4,8 @@
 #include <optional>
 #include <set>
 
+#include "sgraph_slam/core/types/storey.hpp"
+
 namespace sgraph {
 namespace {
 
@@ -24,6 +26,14 @@ bool joined(const Graph& graph, const PlaneMap& planes, int storey) {
 
 }  // namespace
 
+std::set<int> storeys_of(const PlaneMap& planes) {
+  std::set<int> storeys;
+  for (const auto& [id, record] : planes.records()) {
+    if (record.storey != stairwell) storeys.insert(record.storey);
+  }
+  return storeys;
+}
+
 std::optional<PlaneId> largest_floor(const Graph& graph, const PlaneMap& planes, int storey) {
   std::optional<PlaneId> largest;
   double most = 0;
@@ -39,15 +49,11 @@ std::optional<PlaneId> largest_floor(const Graph& graph, const PlaneMap& planes,
 }
 
 int level_floors(Committer& committer, const PlaneMap& planes, const std::set<int>& by_lift) {
-  std::set<int> storeys;
-  for (const auto& [id, record] : planes.records()) {
-    if (record.storey > 0) storeys.insert(record.storey);
-  }
   Transaction edit;
   edit.reason = "floors of a building are level";
   std::optional<PlaneId> first;
-  for (const int storey : storeys) {
-    if (joined(committer.graph, planes, storey)) continue;
+  for (const int storey : storeys_of(planes)) {
+    if (storey == 0 || joined(committer.graph, planes, storey)) continue;
     if (!first) first = largest_floor(committer.graph, planes, 0);
     const std::optional<PlaneId> floor = largest_floor(committer.graph, planes, storey);
     if (!first || !floor) continue;

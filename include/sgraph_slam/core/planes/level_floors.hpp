@@ -8,6 +8,9 @@
 
 namespace sgraph {
 
+/// The storeys that planes are of; the stairwell is none.
+std::set<int> storeys_of(const PlaneMap& planes);
+
 /// The largest floor of a storey that at least three keyframes have seen.
 std::optional<PlaneId> largest_floor(const Graph& graph, const PlaneMap& planes, int storey);
 
