@@ -13,6 +13,7 @@
 #include <thread>
 
 #include "sgraph_slam/core/util/resources.hpp"
+#include "sgraph_slam/ros/master_watch.hpp"
 #include "sgraph_slam/ros/shared_pointer.hpp"
 
 namespace {
@@ -90,7 +91,10 @@ int main(int argc, char** argv) {
     }
   }
   ending.started();
-  ros::spin();
+  {
+    const sgraph::MasterWatch watch;
+    ros::spin();
+  }
   loader.clear();  // destructors run while ROS is still there
   return 0;
 }

@@ -29,6 +29,24 @@ from support import LIMIT, Diagnostics, Recorder, box_points, cloud_message, wai
 
 MOUNT = '0.15 0 0.25 0 0 0'
 
+# Scans until one is mapped, then a service.
+NEW_DRIVER = """
+import rospy
+from sensor_msgs.msg import PointCloud2
+from sgraph_slam.msg import OdometryStatus
+from std_srvs.srv import Trigger
+from support import Recorder, box_points, cloud_message, wait_for
+rospy.init_node('driver')
+status = Recorder('/gone/odometry_status', OdometryStatus)
+publisher = rospy.Publisher('/gone/points', PointCloud2, queue_size=10)
+points, ring = box_points(steps=450)
+for i in range(60):
+    publisher.publish(cloud_message(rospy.Time.from_sec(100 + 0.1 * i), points, ring))
+    if wait_for(lambda: any(message.accepted for message in status.messages), 1):
+        raise SystemExit(0 if rospy.ServiceProxy('/gone/odometry/finish', Trigger)().success else 2)
+raise SystemExit(1)
+"""
+
 
 class Node:
     """One sgraph_slam_node in a namespace of its own, fed and watched by the test."""
@@ -98,6 +116,11 @@ class LiveFaults(unittest.TestCase):
                 node.process.kill()
                 node.process.wait()
         self.nodes.clear()
+
+    @staticmethod
+    def registered(master, node):
+        """What a master knows of a node: the names of what it publishes, listens to and serves."""
+        return [{name for name, nodes in kind if node in nodes} for kind in master.getSystemState()]
 
     def node(self, name, **settings):
         node = Node(name, **settings)
@@ -220,23 +243,42 @@ class LiveFaults(unittest.TestCase):
         self.assertTrue(node.maps(100.2) or node.maps(100.4))
         self.ends_well(node)
 
-    def test_10_master_gone(self):
-        """What is connected stays connected, and the node can still be stopped."""
+    def test_10_master_gone_and_back(self):
+        """Without a master what is connected stays connected. One that is started again finds the node: a new driver is mapped, services answer. In the
+        end there is none again, and the node can still be stopped."""
         port = free_port()
         environment = {**os.environ, 'ROS_MASTER_URI': f'http://127.0.0.1:{port}'}
-        master = subprocess.Popen(['rosmaster', '--core', '-p', str(port)], env=environment, stdout=subprocess.DEVNULL)
+        other = rosgraph.Master('/test', master_uri=environment['ROS_MASTER_URI'])
+
+        def start_master():
+            master = subprocess.Popen(['rosmaster', '--core', '-p', str(port)], env=environment, stdout=subprocess.DEVNULL)
+            self.assertTrue(wait_for(lambda: rosgraph.is_master_online(environment['ROS_MASTER_URI'])))
+            return master
+
+        master = start_master()
         try:
-            uri = environment['ROS_MASTER_URI']
-            self.assertTrue(wait_for(lambda: rosgraph.is_master_online(uri)))
+            other.setParam('/gone/config/ros/base_to_lidar', MOUNT)
             command = [roslib.packages.find_node('sgraph_slam', 'sgraph_slam_node')[0], '__ns:=/gone', '__name:=slam']
             process = subprocess.Popen(command, env=environment)
-            other = rosgraph.Master('/test', master_uri=uri)
-            self.assertTrue(wait_for(lambda: '/gone/odometry/finish' in dict(other.getSystemState()[2])))
+            # The last one that the node asks for; the rest of its start takes no time.
+            self.assertTrue(wait_for(lambda: '/gone/packets' in dict(other.getSystemState()[1])))
+            time.sleep(1)
+            of_node = self.registered(other, '/gone/slam')
+            self.assertGreater(min(len(kind) for kind in of_node), 8)
+            master.kill()
+            master.wait()
+            time.sleep(2)
+            self.assertIsNone(process.poll(), 'the node ended with the master')
+
+            master = start_master()
+            self.assertTrue(wait_for(lambda: self.registered(other, '/gone/slam') == of_node), 'what the node has is not registered again')
+            # In a process of its own, since a process has one master.
+            driver = subprocess.run([sys.executable, '-c', NEW_DRIVER], env=environment, cwd=os.path.dirname(os.path.abspath(__file__)), timeout=LIMIT)
+            self.assertEqual(driver.returncode, 0, 'a driver that was started with the new master is not mapped')
         finally:
             master.kill()
             master.wait()
         time.sleep(1)
-        self.assertIsNone(process.poll(), 'the node ended with the master')
         process.send_signal(signal.SIGINT)
         self.assertEqual(process.wait(timeout=LIMIT), 0)
 
