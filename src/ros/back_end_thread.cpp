@@ -136,6 +136,9 @@ void BackEndThread::take(const MatchedKeyframe& matched) {
 Keyframe BackEndThread::after_pause(Keyframe keyframe) {
   if (!away_) return keyframe;
   keyframe.measured.reset();  // from one that was left out
+  if (away_->ride) {          // several rides: how far they went together isn't said
+    keyframe.ride = keyframe.ride ? unknown_rise : *away_->ride;
+  }
   const Matrix6 adjoint = se3_adjoint(keyframe.T_odom_base.inverse() * away_->T_odom_base);
   keyframe.covariance += adjoint * away_->covariance * adjoint.transpose();
   return keyframe;

@@ -265,6 +265,7 @@ sgraph_slam::SceneGraph to_message(const GraphSnapshot& snapshot) {
     out.z = storey.z;
     out.ceiling = storey.ceiling;
     out.height_known = static_cast<std::uint8_t>(storey.height_known);
+    out.height_sigma = storey.height_sigma;
     message.storeys.push_back(out);
   }
   return message;
@@ -291,8 +292,8 @@ std::optional<GraphSnapshot> from_message(const sgraph_slam::SceneGraph& message
     if (!read_outline(one, branching) || !read_holes(one.holes, branching.holes)) return {};
   }
   for (const sgraph_slam::SceneStorey& storey : message.storeys) {
-    if (!std::isfinite(storey.z) || !std::isfinite(storey.ceiling)) return {};
-    snapshot.storeys.push_back({storey.id, storey.z, storey.ceiling, storey.height_known != 0});
+    if (!std::isfinite(storey.z) || !std::isfinite(storey.ceiling) || !std::isfinite(storey.height_sigma)) return {};
+    snapshot.storeys.push_back({storey.id, storey.z, storey.ceiling, storey.height_known != 0, storey.height_sigma});
   }
   return snapshot;
 }

@@ -61,6 +61,9 @@ sgraph_slam::Keyframe to_message(const Keyframe& keyframe, const Pose& T_base_li
   message.measured = keyframe.measured.has_value();
   message.motion = to_message(keyframe.measured ? keyframe.measured->T_last_now : Pose{});
   if (keyframe.measured) to_rows<6>(keyframe.measured->covariance, message.motion_covariance);
+  message.ridden = static_cast<std::uint8_t>(keyframe.ride.has_value());
+  message.rise = keyframe.ride ? keyframe.ride->height : 0;
+  message.rise_sigma = keyframe.ride ? keyframe.ride->sigma : 0;
   message.scans.resize(keyframe.scans.size());
   for (std::size_t i = 0; i < keyframe.scans.size(); ++i) {
     message.scans[i].stamp = to_ros_time(keyframe.scans[i].stamp);
@@ -86,7 +89,9 @@ std::optional<ReceivedKeyframe> from_message(const sgraph_slam::Keyframe& messag
   keyframe.covariance = from_rows<6>(message.covariance);
   keyframe.degenerate = directions_of(message.degenerate);
   keyframe.scans = std::move(*scans);
-  bool good = keyframe.id.valid() && is_covariance(keyframe.covariance) && finite(keyframe.degenerate);
+  if (message.ridden != 0) keyframe.ride = Rise{message.rise, message.rise_sigma};
+  const bool rise_good = !keyframe.ride || (std::isfinite(message.rise) && message.rise_sigma > 0);  // NaN isn't
+  bool good = rise_good && keyframe.id.valid() && is_covariance(keyframe.covariance) && finite(keyframe.degenerate);
   if (message.measured) {
     const std::optional<Pose> motion = from_message(message.motion);
     if (!motion) return {};

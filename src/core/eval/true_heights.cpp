@@ -40,7 +40,7 @@ std::map<Stamp, Stretch> stretches_of(const GraphSnapshot& graph, const std::set
 Trajectory at_true_heights(const Trajectory& estimate, const Trajectory& truth, const GraphSnapshot& graph) {
   std::set<int> unknown;
   for (const SceneStorey& storey : graph.storeys) {
-    if (!storey.height_known) unknown.insert(storey.id);
+    if (!storey.height_known || storey.height_sigma > 0) unknown.insert(storey.id);
   }
   if (unknown.empty() || graph.keyframes.empty()) return estimate;
   const std::map<Stamp, Stretch> stretches = stretches_of(graph, unknown);

@@ -37,6 +37,9 @@ bool same_statement(const FactorData& a, const FactorData& b) {
   const auto of_a = blocks(a);
   const auto of_b = blocks(b);
   if (!std::is_permutation(of_a.begin(), of_a.end(), of_b.begin(), of_b.end())) return false;
+  // Floors that two rides in a lift led between: each was measured.
+  const auto* floors_a = std::get_if<AlignedWalls>(&a);
+  if (floors_a != nullptr && floors_a->from == floors_a->to && floors_a->rise != std::get<AlignedWalls>(b).rise) return false;
   const auto* room_a = std::get_if<RoomPlane>(&a);
   const auto* room_b = std::get_if<RoomPlane>(&b);
   return room_a == nullptr || room_a->side == room_b->side;

@@ -117,7 +117,8 @@ Json to_json(const SceneDoor& door) {
 }
 
 Json to_json(const SceneStorey& storey) {
-  return {{"id", storey.id}, {"z", storey.z}, {"ceiling", storey.ceiling}, {"height_known", storey.height_known}};
+  return {
+      {"id", storey.id}, {"z", storey.z}, {"ceiling", storey.ceiling}, {"height_known", storey.height_known}, {"height_sigma", storey.height_sigma}};
 }
 
 Json to_json(const SceneOpening& opening) { return {{"from", opening.from}, {"to", opening.to}, {"position", numbers(opening.position)}}; }
@@ -287,7 +288,7 @@ SceneDoor door_from(const Json& json) {
 
 SceneStorey storey_from(const Json& json) {
   return {static_cast<int>(integer_from(json.at("id"))), json.at("z").get<double>(), json.at("ceiling").get<double>(),
-          json.at("height_known").get<bool>()};
+          json.at("height_known").get<bool>(), json.value("height_sigma", 0.0)};
 }
 
 GraphSnapshot snapshot_from(const Json& json) {

@@ -31,6 +31,16 @@ std::set<KeyframeId> retired_keyframes(const StoredMap& map) {
   return retired;
 }
 
+// The keyframes that followed a ride in a lift.
+std::set<KeyframeId> after_rides(const StoredMap& map) {
+  std::set<KeyframeId> after;
+  for (const auto& [id, factor] : map.factors) {
+    const auto* between = std::get_if<Se3Between>(&factor.data);
+    if (between != nullptr && between->source == Se3Between::Source::ride) after.insert(between->to);
+  }
+  return after;
+}
+
 // The motion between two keyframes as the map has it.
 KeyframeMotion motion_of(const StoredMap& map, KeyframeId from, KeyframeId to, const FactorParams& params) {
   return {map.poses.at(from).inverse() * map.poses.at(to), retired_sigma(params).cwiseAbs2().asDiagonal()};
@@ -75,6 +85,7 @@ Localisation add_session(const StoredMap& from, std::int64_t session, const std:
   std::optional<StoredClouds> clouds;
   if (!from.path.empty()) clouds.emplace(from.path);
   const std::set<KeyframeId> retired = retired_keyframes(from);
+  const std::set<KeyframeId> ridden = after_rides(from);
   const StoredSession& about = from.sessions.at(session);
   SessionStart start;
   if (!into.empty()) start = {take_map(into), MapMode::extend, near};
@@ -91,6 +102,7 @@ Localisation add_session(const StoredMap& from, std::int64_t session, const std:
     if (!keyframe.cloud && clouds) keyframe.cloud = clouds->get(stored[i]);  // one at a time: a building's don't fit into memory
     if (i > 0 && (retired.count(stored[i]) > 0 || retired.count(stored[i - 1]) > 0))
       keyframe.measured = motion_of(from, stored[i - 1], stored[i], params.factors);
+    if (i > 0 && ridden.count(stored[i]) > 0) keyframe.ride = unknown_rise;
     mapping.process(keyframe, keyframes[i].segments);
   }
   mapping.optimize();

@@ -45,12 +45,13 @@ std::optional<double> relative_sigma(const Graph& graph, const Marginals& margin
   return std::sqrt(std::max(0.0, Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(covariance.bottomRightCorner<3, 3>()).eigenvalues().maxCoeff()));
 }
 
-// The clouds around a keyframe, in its base frame.
+// The clouds around a keyframe, in its base frame. Those of another storey stand elsewhere: a lift's cabin was left behind there too.
 Cloud cloud_around(const Graph& graph, const std::map<KeyframeId, SceneKeyframe>& keyframes, const Pose& T_base_lidar, KeyframeId center) {
   Cloud all;
   const Pose T_center_map = graph.find(center)->inverse();
   for (auto keyframe = keyframes.lower_bound({center.value - neighbours});
        keyframe != keyframes.end() && keyframe->first.value <= center.value + neighbours; ++keyframe) {
+    if (keyframe->second.storey != keyframes.at(center).storey) continue;
     const CloudPtr cloud = keyframe->second.cloud.get();
     if (!cloud) continue;
     const Pose T = T_center_map * *graph.find(keyframe->first) * T_base_lidar;

@@ -14,17 +14,19 @@
 namespace sgraph {
 namespace {
 
-constexpr double out_of_cabin = 2.0;  // [m] from where the robot stood in it: what lies farther isn't the lift
-constexpr double far_enough = 3.0;    // [m] that the robot has gone since: it has seen what is around the door
-constexpr double too_far = 8.0;       // [m] after which a storey that has not been recognised is a new one
-constexpr double around = 8.0;        // [m] of the lift, of keyframes that have seen what is before its door, and of what they have seen
-constexpr double cell = 0.15;         // [m]; points of one wall lie in cells beside each other
-constexpr double band_low = -0.3;     // [m] below the sensor and
-constexpr double band_high = 0.8;     // above it: walls and furniture, no floors and ceilings
-constexpr std::size_t fewest = 300;   // points
-constexpr double same_storey = 0.85;  // of them on what was there
-constexpr double most_moved = 0.3;    // [m], and
-constexpr double most_turned = 0.05;  // [rad] that the match may differ from place and heading as they were kept
+constexpr double out_of_cabin = 2.0;   // [m] from where the robot stood in it: what lies farther isn't the lift
+constexpr double far_enough = 3.0;     // [m] that the robot has gone since: it has seen what is around the door
+constexpr double too_far = 8.0;        // [m] after which a storey that has not been recognised is a new one
+constexpr double around = 8.0;         // [m] of the lift, of keyframes that have seen what is before its door, and of what they have seen
+constexpr double cell = 0.15;          // [m]; points of one wall lie in cells beside each other
+constexpr double band_low = -0.3;      // [m] below the sensor and
+constexpr double band_high = 0.8;      // above it: walls and furniture, no floors and ceilings
+constexpr std::size_t fewest = 300;    // points
+constexpr double same_storey = 0.85;   // of them on what was there
+constexpr double nearest_floor = 1.0;  // [m] that floors lie apart at least, and
+constexpr double sure = 4;             // standard deviations of a height
+constexpr double most_moved = 0.3;     // [m], and
+constexpr double most_turned = 0.05;   // [rad] that the match may differ from place and heading as they were kept
 
 using Keyframes = std::map<KeyframeId, SceneKeyframe>;
 
@@ -73,7 +75,8 @@ std::optional<double> agreement(const Cloud& target, const Cloud& source, const 
 
 }  // namespace
 
-std::optional<int> storey_after_ride(Committer& committer, const LoopCloser& loops, const Keyframes& keyframes, KeyframeId first, bool& settled) {
+std::optional<int> storey_after_ride(Committer& committer, const LoopCloser& loops, const Keyframes& keyframes, KeyframeId first,
+                                     std::optional<double> sigma, bool& settled) {
   const Graph& graph = committer.graph;
   const KeyframeId now = committer.newest();
   const Pose lift = *graph.find(first);
@@ -103,6 +106,7 @@ std::optional<int> storey_after_ride(Committer& committer, const LoopCloser& loo
     const auto distance = [&](KeyframeId id) { return (graph.find(id)->translation - lift.translation).head<2>().norm(); };
     for (const KeyframeId id : ids) nearest = distance(id) < distance(nearest) ? id : nearest;
     const Pose center = *graph.find(nearest);
+    if (sigma && std::abs(center.translation.z() - lift.translation.z()) > nearest_floor + sure * *sigma) continue;
     Pose T_map_lift = lift;
     T_map_lift.translation.z() = center.translation.z();
     const Pose expected = center.inverse() * T_map_lift;

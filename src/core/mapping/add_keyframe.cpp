@@ -2,9 +2,8 @@
 
 #include <cmath>
 
-#include <Eigen/Eigenvalues>
-
 #include "sgraph_slam/core/graph/committer.hpp"
+#include "sgraph_slam/core/planes/level_floors.hpp"
 
 namespace sgraph {
 namespace {
@@ -27,16 +26,6 @@ bool finite(const Pose& pose) {
 
 }  // namespace
 
-bool is_ride(const Pose& base, const Matrix6& covariance) {
-  constexpr double unknown = 3.0;    // [m]
-  constexpr double known = 0.3;      // [m]
-  constexpr double upright = 0.996;  // 5 degrees
-  const Eigen::Matrix3d c = covariance.bottomRightCorner<3, 3>();
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(c);
-  return axes.eigenvalues()[2] > unknown * unknown && axes.eigenvalues()[1] < known * known &&
-         std::abs((base.rotation * axes.eigenvectors().col(2)).z()) > upright;
-}
-
 bool add_keyframe(MapState& state, const Keyframe& keyframe, const KeyframeCloud& cloud) {
   Committer committer{state.graph, state.log};
   const auto refuse = [&](const char* reason) {
@@ -47,7 +36,14 @@ bool add_keyframe(MapState& state, const Keyframe& keyframe, const KeyframeCloud
   if (!finite(keyframe.T_odom_base) || !keyframe.covariance.allFinite() || !measured_well) return refuse("not finite");
   if (!keyframe.id.valid() || (!state.keyframes.empty() && !(committer.newest() < keyframe.id))) return refuse("not newer than the last");
   const Pose claimed = state.keyframes.empty() ? Pose{} : state.keyframes.rbegin()->second.T_odom_base.inverse() * keyframe.T_odom_base;
-  const KeyframeMotion motion = keyframe.measured.value_or(KeyframeMotion{claimed, keyframe.covariance});
+  KeyframeMotion motion = keyframe.measured.value_or(KeyframeMotion{claimed, keyframe.covariance});
+  // As far as is known: floors hold the height (`lift_floors`), for in a cabin nothing that is seen holds the sensor above its floor.
+  if (keyframe.ride && !state.keyframes.empty()) {
+    const SceneKeyframe& last = state.keyframes.rbegin()->second;
+    const auto floor = largest_floor(state.graph, state.planes.map, last.storey);  // straight up: the map's z is that of the first pose
+    const Eigen::Vector3d up = floor ? state.graph.find(*floor)->normal : Eigen::Vector3d::UnitZ();
+    motion.T_last_now.translation += keyframe.ride->height * (state.graph.find(last.id)->rotation.conjugate() * up);
+  }
   const Matrix6 covariance = floored(motion.covariance, keyframe, state.params.factors);
   Transaction edit;
   edit.reason = "keyframe/" + std::to_string(keyframe.id.value);
@@ -59,10 +55,10 @@ bool add_keyframe(MapState& state, const Keyframe& keyframe, const KeyframeCloud
     Vector6 tiny;
     tiny << Eigen::Vector3d::Constant(1e-6), Eigen::Vector3d::Constant(1e-6);
     add_factor(edit, Se3Between{last.id, keyframe.id, motion.T_last_now, SqrtInformation<6>::from_covariance(covariance, tiny),
-                                Se3Between::Source::odometry});
+                                keyframe.ride ? Se3Between::Source::ride : Se3Between::Source::odometry});
   }
   if (!committer.commit(edit).ok()) return false;
-  if (!state.keyframes.empty() && is_ride(keyframe.T_odom_base, motion.covariance)) state.rides.push_back({keyframe.id});
+  if (!state.keyframes.empty() && keyframe.ride) state.rides.push_back({keyframe.id, *keyframe.ride});
   state.planes.drift.add(keyframe.id, keyframe.T_odom_base, covariance);
   state.keyframes[keyframe.id] = {keyframe.id, keyframe.stamp, *state.graph.find(keyframe.id), keyframe.T_odom_base, keyframe.scans, cloud};
   return true;

@@ -90,6 +90,7 @@ class BackEnd::Implementation {
       keyframe.covariance = session.covariance;
       keyframe.degenerate.clear();
       keyframe.measured.reset();
+      keyframe.ride.reset();
     }
     keyframe.id.value += session.first;
     keyframe.T_odom_base = session.T_odom_own * keyframe.T_odom_base;

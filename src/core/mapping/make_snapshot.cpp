@@ -1,6 +1,9 @@
 #include "sgraph_slam/core/mapping/make_snapshot.hpp"
 
+#include <optional>
+
 #include "sgraph_slam/core/graph/serialization.hpp"
+#include "storey_heights.hpp"
 
 namespace sgraph {
 namespace {
@@ -104,9 +107,8 @@ void add_places(const MapState& state, GraphSnapshot& snapshot) {
   const bool several = state.layer.storeys().size() > 1;
   if (!several && state.layer.rooms().empty() && state.layer.corridors().empty()) return;
   for (const auto& [number, storey] : state.layer.storeys()) {
-    const auto k = static_cast<std::size_t>(std::max(0, number));
-    const bool known = k >= state.storey_groups.size() || state.storey_groups[k] == 0;
-    snapshot.storeys.push_back({number, storey.floor, storey.ceiling, known});
+    const std::optional<double> sigma = storey_height_sigma(state, number);
+    snapshot.storeys.push_back({number, storey.floor, storey.ceiling, sigma.has_value(), sigma.value_or(0)});
   }
 }
 

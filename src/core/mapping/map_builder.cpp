@@ -19,6 +19,7 @@
 #include "sgraph_slam/core/planes/merge_duplicates.hpp"
 #include "sgraph_slam/core/planes/retire_keyframes.hpp"
 #include "sgraph_slam/core/storeys/find_storeys.hpp"
+#include "storey_heights.hpp"
 
 namespace sgraph {
 namespace {
@@ -92,7 +93,7 @@ void MapBuilder::resume_drift() {
     }
     const Matrix6 root = motion->weight.matrix();
     covariances[motion->to] = (root.transpose() * root).inverse();
-    if (is_ride(*state_.graph.find(motion->to), covariances[motion->to])) resume_ride(motion->to);
+    if (motion->source == Se3Between::Source::ride) resume_ride(motion->to);
   }
   for (const auto& [id, keyframe] : state_.keyframes) {
     const auto found = covariances.find(id);
@@ -102,7 +103,7 @@ void MapBuilder::resume_drift() {
 
 // A ride of the kept map: whether its storey had been seen before is told by the keyframes before it.
 void MapBuilder::resume_ride(KeyframeId first) {
-  KeyframeRide ride{first, std::nullopt, true};
+  KeyframeRide ride{first, unknown_rise, true, std::nullopt, true};
   const int storey = state_.keyframes.at(first).storey;
   for (auto before = state_.keyframes.begin(); before->first < first; ++before) {
     if (before->second.storey == storey && storey != stairwell) ride.storey = storey;
@@ -149,11 +150,22 @@ std::vector<LiftRide> MapBuilder::rides() const {
   return all;
 }
 
+// To what the heights of storeys to which lifts have led are known, standard deviation [m]; none when one of them isn't.
+std::optional<double> MapBuilder::storeys_by_lift_known_to() const {
+  double variance = 0;
+  for (const KeyframeRide& ride : state_.rides) {
+    if (ride.rise.sigma >= unknown_rise.sigma) return std::nullopt;
+    variance += ride.rise.sigma * ride.rise.sigma;
+  }
+  return std::sqrt(variance);
+}
+
 // After a ride: a storey that was seen before is not another one.
 void MapBuilder::recognise_storey() {
   if (state_.rides.empty() || state_.rides.back().settled) return;
   KeyframeRide& ride = state_.rides.back();
-  ride.storey = storey_after_ride(committer_, state_.loops, state_.keyframes, ride.first, ride.settled);
+  const std::optional<double> sigma = storeys_by_lift_known_to();
+  ride.storey = storey_after_ride(committer_, state_.loops, state_.keyframes, ride.first, sigma, ride.settled);
   if (!ride.storey) return;
   update_storeys();
   solve_global(state_.params.solving.iterations, true);
@@ -227,7 +239,8 @@ void MapBuilder::solve_global(int iterations, bool all_pairs) {
   drop_passing_planes(committer_, state_.planes, all_pairs);
   if (state_.params.factors.storey_factors) {
     level_floors(committer_, state_.planes.map, storeys_by_lift());
-    align_storeys(committer_, state_.planes.map, state_.storey_groups);
+    lift_floors(committer_, state_);
+    align_storeys(committer_, state_.planes.map, known_heights(state_));
   }
   clock_.book("drop_planes");
   SolverOptions options;

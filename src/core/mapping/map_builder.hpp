@@ -48,6 +48,7 @@ class MapBuilder {
   void recognise_storey();
   void update_storeys();
   [[nodiscard]] std::vector<LiftRide> rides() const;
+  [[nodiscard]] std::optional<double> storeys_by_lift_known_to() const;
   [[nodiscard]] bool wants_global(const AssociationResult& seen) const;
   [[nodiscard]] bool wants_places() const;
   void note(const SolveSummary& summary);

@@ -18,11 +18,11 @@ constexpr double same_direction = 0.98;  // cosine between directions of which o
 }  // namespace
 
 std::optional<Keyframe> KeyframeSelector::add(const FinalScan& scan) {
-  if (scan.carried && previous_) {
+  if (scan.ride && previous_) {
     // What was seen before the ride makes a keyframe of its own.
     std::optional<Keyframe> before;
     if (newest_) before = close();
-    carried_ = true;
+    ride_ = scan.ride;
     hold(scan);
     return before;
   }
@@ -98,11 +98,12 @@ Keyframe KeyframeSelector::close() {
   }
   keyframe.covariance.diagonal().head<3>().array() += std::pow(drift_.rotation * path_, 2) + std::pow(drift_.turning * turned_, 2);
   keyframe.covariance.diagonal().tail<3>().array() += std::pow(drift_.translation * path_, 2);
-  if (carried_) {
+  if (ride_) {
     const Eigen::Vector3d up = scan.T_odom_base.matrix().transpose().col(2);
-    keyframe.covariance.bottomRightCorner<3, 3>() += carried_sigma * carried_sigma * up * up.transpose();
+    keyframe.covariance.bottomRightCorner<3, 3>() += unknown_rise.sigma * unknown_rise.sigma * up * up.transpose();
     keyframe.covariance.topLeftCorner<3, 3>() += carried_tilt * carried_tilt * (Eigen::Matrix3d::Identity() - up * up.transpose());
-    carried_ = false;
+    keyframe.ride = ride_;
+    ride_.reset();
   }
   scan.cloud.reset();
   previous_ = std::move(scan);

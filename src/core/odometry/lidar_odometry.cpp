@@ -272,7 +272,13 @@ void LidarOdometry::estimate_covariance(const WindowResult& solved, const std::v
   estimate(window_.newest());
   if (window_.size() > 1 && window_.oldest().accepted && window_.held_until() < window_.oldest().end) estimate(window_.oldest());
   const Matrix6 turned = to_base(knots.back());
-  for (const Vector6& d : free_directions) window_.newest().degenerate.push_back((turned * d).normalized());
+  const Eigen::Vector3d up = local_.up();
+  for (const Vector6& d : free_directions) {
+    // Height and tilt in a cabin are held by its floor, seen or not (`level_motion`).
+    const double on_floor = std::hypot(up.dot(d.head<3>()), (d.tail<3>() - up.dot(d.tail<3>()) * up).norm());
+    if (window_.newest().in_cabin && on_floor < M_SQRT1_2 * d.norm()) continue;
+    window_.newest().degenerate.push_back((turned * d).normalized());
+  }
 }
 
 OdometryEstimate LidarOdometry::live_estimate(const WindowScan& scan, const WindowResult& solved) const {
@@ -311,8 +317,9 @@ FinalScan LidarOdometry::make_oldest_final() {
   final.covariance = scan.covariance;
   final.degenerate = scan.degenerate;
   final.accepted = scan.accepted;
-  final.carried = scan.accepted && ride_.see(*final.cloud, T_odom_lidar, local_.up());
-  if (final.carried) local_.clear();  // nothing that was seen on the floor before helps on this one
+  if (scan.accepted) final.ride = ridden(ride_.see(*final.cloud, T_odom_lidar, local_.up()));
+  if (!ride_.inside()) ride_height_.forget_before(final.stamp);
+  if (final.ride) local_.clear();  // nothing that was seen on the floor before helps on this one
   if (ride_.shut()) final.cloud = ride_.within_cabin(*final.cloud, T_odom_lidar);
   if (scan.enters_map) local_.insert(*final.cloud, T_odom_lidar, scan.after_gap || !scan.accepted ? Placing::unsure : Placing::sure);
   final.T_odom_base = T_odom_stamp * T_lidar_base_;
@@ -324,6 +331,19 @@ FinalScan LidarOdometry::make_oldest_final() {
   sensors_.learn_motion(final.stamp, T_odom_lidar, scan.accepted && scan.degenerate.empty());
   last_accepted_ = scan.accepted ? std::optional(Knot{scan.time, T_odom_lidar}) : std::nullopt;
   return final;
+}
+
+// What the doors show may look like the floor that was left, or not be comparable; an accelerometer knows better. No two floors are nearer than 1 m.
+std::optional<Rise> LidarOdometry::ridden(RideDetector::Seen seen) const {
+  constexpr double nearest_floor = 1.0;  // [m]
+  constexpr double sure = 4;             // standard deviations
+  if (seen == RideDetector::Seen::nothing) return std::nullopt;
+  const std::optional<Rise> rise = ride_height_.risen();
+  if (!rise) return seen == RideDetector::Seen::another_floor ? std::optional(unknown_rise) : std::nullopt;
+  const double height = std::abs(rise->height);
+  if (height > std::max(nearest_floor, sure * rise->sigma)) return rise;
+  if (height + sure * rise->sigma < nearest_floor) return std::nullopt;
+  return seen == RideDetector::Seen::another_floor ? rise : std::nullopt;
 }
 
 std::vector<SurfaceResidual> LidarOdometry::residuals(const WindowScan& scan) const {

@@ -81,7 +81,7 @@ class Odometry::Implementation {
  private:
   void take(const FinalScan& final, OdometryOutput& output) {
     output.finals.push_back({final.stamp, final.T_odom_base});
-    if (final.carried) above_.z() += far_above;
+    if (final.ride) above_.z() += far_above;
     Pose T_odom_lidar = final.T_odom_base * T_base_lidar_;
     T_odom_lidar.translation += above_;
     if (final.accepted) calibrator_.add(*final.cloud, T_odom_lidar);

@@ -82,30 +82,31 @@ bool RideDetector::beyond_walls(const Bearing& b) const { return b.range > wall(
 
 bool RideDetector::shut() const { return shut_for_ >= shortest_ride; }
 
-bool RideDetector::see(const Cloud& deskewed, const Pose& T_odom_lidar, const Eigen::Vector3d& up) {
+RideDetector::Seen RideDetector::see(const Cloud& deskewed, const Pose& T_odom_lidar, const Eigen::Vector3d& up) {
   up_ = up;
   if (!shut()) {
     const bool was_inside = inside_;
     inside_ = like_a_cabin(deskewed, T_odom_lidar, up_);
-    if (!inside_) return false;
+    if (!inside_) return Seen::nothing;
     if (!was_inside || (T_odom_lidar.translation - position_).norm() > moved_on) enter(T_odom_lidar.translation);
     tighten(deskewed, T_odom_lidar);
     remember(deskewed, T_odom_lidar);
     shut_for_ = shows_cabin_alone(deskewed, T_odom_lidar) ? shut_for_ + 1 : 0;
-    return false;
+    return Seen::nothing;
   }
   if (shows_cabin_alone(deskewed, T_odom_lidar)) {
     tighten(deskewed, T_odom_lidar);  // before a narrow corridor the open doors may have passed for shut ones
     known_ = unknown_ = 0;
-    return false;
+    return Seen::nothing;
   }
   look_beyond(deskewed, T_odom_lidar);
   const Bearing sensor = bearing(T_odom_lidar.translation);
   const bool has_left = sensor.range > wall(sensor.sector);
-  if (known_ + unknown_ < enough && !has_left) return false;
+  if (known_ + unknown_ < enough && !has_left) return Seen::nothing;
   inside_ = false;
   shut_for_ = 0;
-  return known_ + unknown_ >= fewest && known_ < same_floor * (known_ + unknown_);
+  if (known_ + unknown_ < fewest) return Seen::another_door;
+  return known_ < same_floor * (known_ + unknown_) ? Seen::another_floor : Seen::same_floor;
 }
 
 void RideDetector::enter(const Eigen::Vector3d& position) {

@@ -180,13 +180,20 @@ int align_storeys(Committer& committer, const PlaneMap& planes, const std::vecto
   std::map<int, std::map<PlanePair, FactorId>> joined;  // by the upper storey
   const std::set<int> storeys = storeys_of(planes);
   if (storeys.size() < 2) return 0;
-  for (const auto& [id, factor] : committer.graph.factors()) {
-    const auto* walls = std::get_if<AlignedWalls>(&factor.data);
-    const PlaneRecord* upper = walls == nullptr ? nullptr : planes.find(walls->b);
-    if (upper != nullptr) joined[upper->storey][{walls->a, walls->b}] = id;
-  }
   Transaction edit;
   edit.reason = "walls stand on walls";
+  for (const auto& [id, factor] : committer.graph.factors()) {
+    const auto* walls = std::get_if<AlignedWalls>(&factor.data);
+    if (walls == nullptr || are_floors_apart(*walls)) continue;
+    const PlaneRecord* lower = planes.find(walls->a);
+    const PlaneRecord* upper = planes.find(walls->b);
+    if (lower == nullptr || upper == nullptr) continue;
+    if (lower->storey < upper->storey) {
+      joined[upper->storey][{walls->a, walls->b}] = id;
+    } else {
+      edit.remove_factors.push_back(id);  // what was a storey of its own has been recognised
+    }
+  }
   for (const int upper : storeys) {
     int below = 0;
     std::vector<AlignedWalls> best;

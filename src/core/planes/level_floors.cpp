@@ -48,6 +48,9 @@ std::optional<PlaneId> largest_floor(const Graph& graph, const PlaneMap& planes,
   return largest;
 }
 
+// Floors touch at a point, walls along a stretch; those that are drawn at one height aren't apart.
+bool are_floors_apart(const AlignedWalls& walls) { return walls.from == walls.to && walls.rise != 0; }
+
 int level_floors(Committer& committer, const PlaneMap& planes, const std::set<int>& by_lift) {
   Transaction edit;
   edit.reason = "floors of a building are level";

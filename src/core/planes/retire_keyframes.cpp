@@ -69,14 +69,11 @@ bool shows(const Graph& graph, const std::vector<View>& views, const View& wante
   });
 }
 
-// Whether a motion is known to better than a metre: not that of a ride in a lift.
-bool is_known(const Se3Between& motion) { return motion.weight.information().inverse().diagonal().tail<3>().maxCoeff() < 1; }
-
 // What joins a keyframe to others.
 struct Joints {
   std::vector<FactorId> before;  // odometry
   std::vector<FactorId> after;
-  bool held_by_others = false;  // a loop, or a keyframe that was retired beside it
+  bool held_by_others = false;  // a loop, a ride, or a keyframe that was retired beside it
   bool retired = false;
 };
 
@@ -87,7 +84,6 @@ Joints joints_of(const Graph& graph, KeyframeId id) {
     if (between == nullptr) continue;
     if (between->source == Se3Between::Source::odometry) {
       (between->to == id ? joints.before : joints.after).push_back(factor);
-      joints.held_by_others |= !is_known(*between);  // it says where a storey begins
     } else if (between->source == Se3Between::Source::retired && between->to == id) {
       joints.retired = true;
     } else {

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <optional>
 #include <set>
 #include <vector>
 
@@ -45,16 +46,19 @@ const std::vector<Eigen::Vector2d> way_back{{5, 7}, {5, 3}, {8, 4.5}, {2, 2}};
 // Several walks as one recording, a ride between each and the next.
 class Recording {
  public:
-  void add(const MappedBuilding& building, const std::vector<Eigen::Vector2d>& waypoints, double start_yaw = 0.3) {
-    std::vector<SeenKeyframe> part = building.walk(waypoints, 0.75, start_yaw, {}, 3 + static_cast<unsigned>(starts_.size()));
+  static constexpr double height_sigma = 0.1;  // of a ride that was measured [m]
+
+  void add(const MappedBuilding& building, const std::vector<Eigen::Vector2d>& waypoints, std::optional<double> risen = {}) {
+    std::vector<SeenKeyframe> part = building.walk(waypoints, 0.75, 0.3, {}, 3 + static_cast<unsigned>(starts_.size()));
     starts_.push_back(all_.size());
     const Pose T_odom_part = all_.empty() ? Pose{}
                                           : all_.back().keyframe.T_odom_base * (all_.back().T_world_base.inverse() * part.front().T_world_base) *
                                                 part.front().keyframe.T_odom_base.inverse();
     if (!all_.empty()) {
-      Matrix6& covariance = part.front().keyframe.covariance;
-      covariance = Matrix6::Identity() * 1e-5;
-      covariance(5, 5) = 100;
+      Keyframe& first = part.front().keyframe;
+      first.ride = risen ? Rise{*risen, height_sigma} : unknown_rise;
+      first.covariance = Matrix6::Identity() * 1e-5;
+      first.covariance(5, 5) = 100;
     }
     for (SeenKeyframe& seen : part) {
       seen.keyframe.id = {static_cast<std::int64_t>(all_.size())};
@@ -79,7 +83,7 @@ class Recording {
     const Pose T_world_map = all_.front().T_world_base * snapshot.keyframes.at(all_.front().keyframe.id).T_map_base.inverse();
     for (const SeenKeyframe& seen : all_) {
       const Pose error = seen.T_world_base.inverse() * T_world_map * snapshot.keyframes.at(seen.keyframe.id).T_map_base;
-      EXPECT_LT(error.translation.head<2>().norm(), distance) << seen.keyframe.id.value;
+      EXPECT_LT((seen.T_world_base.rotation * error.translation).head<2>().norm(), distance) << seen.keyframe.id.value;
       EXPECT_LT(std::abs(2 * error.rotation.z()), angle) << seen.keyframe.id.value;
     }
   }
@@ -122,6 +126,32 @@ TEST(LiftRide, AThirdFloorIsNotTakenForAKnownOne) {
   const Outcome result = map_walk(recording.all(), {});
   EXPECT_EQ(recording.storeys(*result.snapshot, 2), std::set<int>{2});
   EXPECT_EQ(result.snapshot->storeys.size(), 3U);
+}
+
+TEST(LiftRide, ThatWasMeasuredLeadsToAStoreyOfKnownHeight) {
+  Recording recording;
+  recording.add(ground_floor(), ground_walk);
+  recording.add(upper_floor(), upper_walk, 3.3);
+  recording.add(ground_floor(), way_back, -3.1);
+  const Outcome result = map_walk(recording.all(), {});
+  const GraphSnapshot& map = *result.snapshot;
+  EXPECT_EQ(recording.storeys(map, 1), std::set<int>{1});
+  EXPECT_EQ(recording.storeys(map, 2), std::set<int>{0});
+  ASSERT_EQ(map.storeys.size(), 2U);
+  EXPECT_TRUE(map.storeys[1].height_known);
+  EXPECT_NEAR(map.storeys[1].height_sigma, Recording::height_sigma / std::sqrt(2), 0.01);  // both rides count
+  EXPECT_EQ(map.storeys[0].height_sigma, 0);
+  EXPECT_NEAR(map.storeys[1].z - map.storeys[0].z, 3.2, 0.02);
+  recording.expect_close(map, 0.02, 0.003);
+}
+
+// By its walls alone it is the floor that was left (ARideToWhereItBeganIsNone).
+TEST(LiftRide, ThatWasMeasuredTellsFloorsApartThatLookAlike) {
+  Recording recording;
+  recording.add(ground_floor(), ground_walk);
+  recording.add(ground_floor(), way_back, 3.2);
+  const Outcome result = map_walk(recording.all(), {});
+  EXPECT_EQ(recording.storeys(*result.snapshot, 1), std::set<int>{1});
 }
 
 // People before the door: the odometry took the floor that was left for another one.

@@ -47,13 +47,15 @@ TEST(KeyframeSelector, ARideInALiftPartsKeyframesAndLeavesTheHeightUnknown) {
   std::vector<Keyframe> keyframes;
   for (int i = 0; i < 20; ++i) {
     FinalScan scan = scan_at(i, i < 10 ? 0.01 * i : 0.1 + 0.1 * (i - 10), 0);
-    scan.carried = i == 10;
+    if (i == 10) scan.ride = unknown_rise;
     if (auto keyframe = selector.add(scan)) keyframes.push_back(*keyframe);
   }
   ASSERT_EQ(keyframes.size(), 3U);
   EXPECT_EQ(keyframes[1].scans.back().stamp, Stamp::from_seconds(0.9));
   EXPECT_LT(keyframes[1].covariance(5, 5), 0.01);
-  EXPECT_NEAR(keyframes[2].covariance(5, 5), carried_sigma * carried_sigma, 0.1);
+  EXPECT_FALSE(keyframes[1].ride);
+  EXPECT_TRUE(keyframes[2].ride);
+  EXPECT_NEAR(keyframes[2].covariance(5, 5), unknown_rise.sigma * unknown_rise.sigma, 0.1);
   EXPECT_LT(keyframes[2].covariance(3, 3), 0.01);
   EXPECT_LT(keyframes[2].covariance(4, 4), 0.01);
 }

@@ -32,7 +32,8 @@ Cloud view(bool open, double depth, bool opposite = false) {
 // Whether the robot was carried, once that is decided.
 bool carried(RideDetector& detector, const Cloud& open, const Pose& pose = {}) {
   for (int i = 0; i < 10; ++i) {
-    if (detector.see(open, pose, up)) return true;
+    const RideDetector::Seen seen = detector.see(open, pose, up);
+    if (seen != RideDetector::Seen::nothing) return seen == RideDetector::Seen::another_floor;
   }
   EXPECT_FALSE(detector.shut()) << "undecided";
   return false;
@@ -40,8 +41,8 @@ bool carried(RideDetector& detector, const Cloud& open, const Pose& pose = {}) {
 
 bool carried_after(int scans_shut, double depth_before, double depth_after, int scans_open = 1) {
   RideDetector detector;
-  for (int i = 0; i < scans_open; ++i) EXPECT_FALSE(detector.see(view(true, depth_before), {}, up));
-  for (int i = 0; i < scans_shut; ++i) EXPECT_FALSE(detector.see(view(false, 0), {}, up));
+  for (int i = 0; i < scans_open; ++i) EXPECT_EQ(detector.see(view(true, depth_before), {}, up), RideDetector::Seen::nothing);
+  for (int i = 0; i < scans_shut; ++i) EXPECT_EQ(detector.see(view(false, 0), {}, up), RideDetector::Seen::nothing);
   return carried(detector, view(true, depth_after));
 }
 
@@ -68,9 +69,9 @@ TEST(RideDetector, AnotherDoorThanTheOneBeforeIsNoRide) {
   RideDetector detector;
   detector.see(view(true, 4), {}, up);
   for (int i = 0; i < 80; ++i) detector.see(view(false, 0), {}, up);
-  for (int i = 0; i < 10; ++i) EXPECT_FALSE(detector.see(view(true, 6, true), {}, up));
+  for (int i = 0; i < 10; ++i) EXPECT_EQ(detector.see(view(true, 6, true), {}, up), RideDetector::Seen::nothing);
   const Pose outside{Eigen::Quaterniond::Identity(), Eigen::Vector3d(-1.2, 0, 0)};
-  EXPECT_FALSE(detector.see(view(true, 6, true), outside, up));
+  EXPECT_EQ(detector.see(view(true, 6, true), outside, up), RideDetector::Seen::another_door);
   EXPECT_FALSE(detector.shut());
 }
 
@@ -107,7 +108,7 @@ TEST(RideDetector, ARoomOrACorridorIsNoCabin) {
     if (std::abs(point.x) > 0.99F) point.set_position(8 * point.position());
   }
   for (const Cloud& cloud : {room, corridor}) {
-    for (int i = 0; i < 60; ++i) EXPECT_FALSE(detector.see(cloud, {}, up));
+    for (int i = 0; i < 60; ++i) EXPECT_EQ(detector.see(cloud, {}, up), RideDetector::Seen::nothing);
     EXPECT_FALSE(detector.shut());
   }
 }

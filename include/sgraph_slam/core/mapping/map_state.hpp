@@ -13,6 +13,7 @@
 #include "sgraph_slam/core/places/topological_layer.hpp"
 #include "sgraph_slam/core/planes/plane_layer.hpp"
 #include "sgraph_slam/core/types/decision.hpp"
+#include "sgraph_slam/core/types/odometry.hpp"
 #include "sgraph_slam/core/types/scene.hpp"
 
 namespace sgraph {
@@ -25,9 +26,11 @@ struct Session {
   Matrix6 covariance = Matrix6::Identity();  ///< of its first pose in the map, as of a keyframe's motion
 };
 
-/// A lift has carried the robot; the odometry says so by a motion whose height is unknown while the way on the ground is known.
+/// A lift has carried the robot.
 struct KeyframeRide {
   KeyframeId first;                          ///< the first keyframe after it
+  Rise rise = unknown_rise;                  ///< from floor to floor
+  bool placed = false;                       ///< whether the floors have been set apart by that
   std::optional<int> storey = std::nullopt;  ///< where it ended, when that was seen before
   bool settled = false;                      ///< whether that is decided
 };

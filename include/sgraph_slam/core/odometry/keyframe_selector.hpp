@@ -17,12 +17,10 @@ struct FinalScan {
   std::vector<Vector6> degenerate;       ///< directions that it didn't hold, base frame
   CloudPtr cloud;                        ///< LiDAR frame, motion taken out
   bool accepted = true;                  ///< false: the pose is only a prediction
-  bool carried = false;                  ///< a lift has carried the robot since the scan before; how far up or down isn't known
+  std::optional<Rise> ride = {};         ///< a lift has carried the robot since the scan before
 };
 
-/// Standard deviation of the height of a keyframe's motion in which a lift carried the robot [m]: nothing is known of it.
-constexpr double carried_sigma = 10.0;
-/// And of its tilt [rad]: a cabin's walls, without floor and ceiling, hold it to a degree or two.
+/// Standard deviation of a ride's tilt [rad]: a cabin's walls, without floor and ceiling, hold it to a degree or two.
 constexpr double carried_tilt = 0.035;
 
 /// What an odometry adds to the uncertainty of a motion by the way that it takes; standard deviations.
@@ -76,7 +74,7 @@ class KeyframeSelector {
   std::vector<Part> parts_;            // and the clouds of these, in order
   double path_ = 0;                    // travelled since then [m]
   double turned_ = 0;                  // [rad]
-  bool carried_ = false;               // by a lift since then
+  std::optional<Rise> ride_;           // in a lift since then
 };
 
 }  // namespace sgraph

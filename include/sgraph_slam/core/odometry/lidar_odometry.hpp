@@ -8,6 +8,7 @@
 #include "sgraph_slam/core/odometry/motion_sensors.hpp"
 #include "sgraph_slam/core/odometry/motion_source.hpp"
 #include "sgraph_slam/core/odometry/ride_detector.hpp"
+#include "sgraph_slam/core/odometry/ride_height.hpp"
 #include "sgraph_slam/core/odometry/scan_window.hpp"
 
 namespace sgraph {
@@ -19,7 +20,10 @@ class LidarOdometry : public MotionSource {
   LidarOdometry(const OdometryParams& params, const Pose& T_base_lidar);
 
   void add(const OdometrySample& sample) override { sensors_.add(sample); }
-  void add(const ImuSample& sample) override { sensors_.add(sample); }
+  void add(const ImuSample& sample) override {
+    sensors_.add(sample);
+    ride_height_.add(sample);
+  }
   void observe_residuals(ResidualSink sink) override { residual_sink_ = std::move(sink); }
   MotionOutput process(const CloudPtr& scan) override;
   std::vector<FinalScan> finish() override;
@@ -42,6 +46,7 @@ class LidarOdometry : public MotionSource {
   [[nodiscard]] OdometryEstimate live_estimate(const WindowScan& scan, const WindowResult& solved) const;
   void make_final(std::size_t kept, std::vector<FinalScan>& finals);
   FinalScan make_oldest_final();
+  [[nodiscard]] std::optional<Rise> ridden(RideDetector::Seen seen) const;
   [[nodiscard]] Pose pose_between_middles(const WindowScan& scan) const;
   [[nodiscard]] std::vector<SurfaceResidual> residuals(const WindowScan& scan) const;
   void insert_now(const WindowScan& scan);
@@ -56,6 +61,7 @@ class LidarOdometry : public MotionSource {
   MapUpdater local_;
   ScanWindow window_;
   RideDetector ride_;
+  RideHeight ride_height_;
   Acceptance acceptance_;
   std::optional<Stamp> origin_;  // zero of the knots' time
   Stamp last_stamp_;

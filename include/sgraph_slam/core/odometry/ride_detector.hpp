@@ -15,13 +15,17 @@ bool like_a_cabin(const Cloud& cloud, const Pose& T_odom_lidar, const Eigen::Vec
 
 /// Tells a ride in a lift from what the scans show. While the doors are shut nothing but the cabin is seen; how far it goes up or down isn't seen at
 /// all. When they open on another floor, what is seen through them isn't what was seen through them before. Where it is, the doors had only shut and
-/// opened again; where another door opens than the one before, nothing is compared and nothing said.
+/// opened again.
 class RideDetector {
  public:
-  /// Takes the next scan, and tells whether it was taken on another floor than those before the doors shut. `deskewed`: LiDAR frame; `up`: unit
-  /// vertical in odom.
-  bool see(const Cloud& deskewed, const Pose& T_odom_lidar, const Eigen::Vector3d& up);
+  /// What opened doors show. Where another door opens than the one before, there is nothing to compare and nothing is said.
+  enum class Seen { nothing, same_floor, another_floor, another_door };
 
+  /// Takes the next scan; anything but `nothing` once after the doors have opened. `deskewed`: LiDAR frame; `up`: unit vertical in odom.
+  Seen see(const Cloud& deskewed, const Pose& T_odom_lidar, const Eigen::Vector3d& up);
+
+  /// Whether the robot is in something like a cabin.
+  [[nodiscard]] bool inside() const { return inside_; }
   /// Whether the robot is in a cabin whose doors have been shut for as long as a ride takes, and it isn't known yet where they open: what is seen
   /// beyond the cabin may belong to another floor.
   [[nodiscard]] bool shut() const;

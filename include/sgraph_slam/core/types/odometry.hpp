@@ -40,6 +40,15 @@ struct KeyframeMotion {
   Matrix6 covariance;
 };
 
+/// How far a lift has carried the robot: from floor to floor.
+struct Rise {
+  double height = 0;  ///< upwards [m]
+  double sigma = 0;   ///< standard deviation [m]
+};
+
+/// Of a ride of which nothing tells how far it went.
+constexpr Rise unknown_rise{0, 10.0};
+
 /// A pose worth remembering, closed when its pose is final; every scan belongs to exactly one keyframe.
 struct Keyframe {
   KeyframeId id;
@@ -48,6 +57,7 @@ struct Keyframe {
   Matrix6 covariance = Matrix6::Identity();  ///< of the motion since the last keyframe; rotation, translation; right perturbation
   std::vector<Vector6> degenerate;           ///< unit directions of that motion that the data doesn't hold
   std::optional<KeyframeMotion> measured;    ///< that motion as its scan holds it, where the odometry says too little of it (wheels, legs)
+  std::optional<Rise> ride;                  ///< a lift carried the robot since the last keyframe; the poses in odom don't have that
   Trajectory scans;                          ///< final base poses in odom of the scans since the last keyframe, this one's last
   CloudPtr cloud;                            ///< in the LiDAR's frame at the stamp, motion taken out
 };

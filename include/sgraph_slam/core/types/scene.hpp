@@ -122,6 +122,7 @@ struct SceneStorey {
   double z = 0;               ///< of the floor in the map [m]
   double ceiling = 0;         ///< as high as the floor where none has been seen [m]
   bool height_known = false;  ///< whether `z` is known against the other storeys'
+  double height_sigma = 0;    ///< to what, where a lift led to it and an accelerometer measured the ride [m]; 0 for others
 };
 
 /// An opening through which two places touch.

@@ -19,9 +19,10 @@ struct Se3Between {
   enum class Source {
     odometry,
     loop,
+    ride,     ///< odometry in a lift: nothing but an accelerometer tells the height
     retired,  ///< `to` says nothing more about the map and is kept where it stood beside `from`
   };
-  static constexpr std::array<const char*, 3> source_types{"se3_between", "loop", "retired"};  ///< in files
+  static constexpr std::array<const char*, 4> source_types{"se3_between", "loop", "ride", "retired"};  ///< in files
 
   KeyframeId from;
   KeyframeId to;
