@@ -76,6 +76,24 @@ void CellBits::set(int y, int begin, int end) {
   }
 }
 
+CellBits CellBits::inside(int x, int y, int width, int height) const {
+  CellBits piece(width, height);
+  const int shift = x % 64;
+  for (int r = 1; r + 1 < height; ++r) {
+    const std::uint64_t* from = row(y + r) + x / 64;
+    const std::uint64_t* const end = row(y + r) + words_;
+    std::uint64_t* to = piece.row(r);
+    for (int w = 0; w < piece.words_; ++w) {
+      to[w] = from[w] >> shift;
+      if (shift > 0 && from + w + 1 < end) to[w] |= from[w + 1] << (64 - shift);
+    }
+    to[0] &= ~std::uint64_t{1};
+    const int last = width - 1;  // what lies beyond it in its word isn't the piece's
+    to[last / 64] &= (std::uint64_t{1} << (last % 64)) - 1;
+  }
+  return piece;
+}
+
 CellBits CellBits::without(const CellBits& other) const {
   CellBits rest = *this;
   for (std::size_t i = 0; i < bits_.size(); ++i) rest.bits_[i] &= ~other.bits_[i];

@@ -1,6 +1,7 @@
 #include "sgraph_slam/core/places/find_places.hpp"
 
 #include <algorithm>
+#include <utility>
 
 #include "corridor_pieces.hpp"
 #include "doors.hpp"
@@ -119,8 +120,8 @@ FoundPlaces find_places(const FreeSpace& space, const std::vector<Wall>& walls, 
   std::vector<WallLine> lines = find_wall_lines(walls, space, path, params);
   join_over_low_lines(space, params, lines);
   Regions regions = find_regions(space, lines, path, params);
-  if (join_recesses(space, regions, lines)) regions = find_regions(space, lines, path, params);
-  if (drop_islands(space, regions, lines)) regions = find_regions(space, lines, path, params);
+  if (join_recesses(space, regions, lines)) regions = find_regions(space, lines, path, params, std::move(regions));
+  if (drop_islands(space, regions, lines)) regions = find_regions(space, lines, path, params, std::move(regions));
   std::vector<FoundPlace> corridors;
   std::vector<CorridorPiece> pieces_of_corridors;
   std::vector<int> composite;
@@ -154,7 +155,7 @@ FoundPlaces find_places(const FreeSpace& space, const std::vector<Wall>& walls, 
     // What the corridors leave of the regions that they are part of.
     Regions rest = find_regions(space, lines, path, params);
     keep_cuts_at_halls(space, rest, halls_in(space, rest, corridors), walls_only, lines);
-    rest = find_regions(space, lines, path, params);
+    rest = find_regions(space, lines, path, params, std::move(rest));
     for (int region = 0; region < rest.count; ++region) {
       if (!rest.entered[static_cast<std::size_t>(region)]) continue;
       bool of_composite = false;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstring>
 #include <limits>
 #include <utility>
 
@@ -36,6 +37,15 @@ std::uint16_t viewpoint_of(const std::vector<Viewpoint>& viewpoints, double time
 }
 
 }  // namespace
+
+FreeSpace::FreeSpace(const FreeSpace& other)
+    : params_(other.params_),
+      rays_(other.rays_),
+      marks_(other.marks_),
+      first_(other.first_),
+      origin_(other.origin_),
+      floor_z_(other.floor_z_),
+      size_to_make_(other.width_ > 0 ? Eigen::Vector2i(other.width_, other.height_) : other.size_to_make_) {}
 
 void FreeSpace::add(KeyframeId id, const Cloud& cloud, const Pose& T_base_lidar) {
   if (cloud.empty() || rays_.count(id) > 0) return;
@@ -85,7 +95,11 @@ void FreeSpace::make_room(const Eigen::Vector2d& low, const Eigen::Vector2d& hig
     first = first.cwiseMin(first_);
     last = last.cwiseMax(first_ + Eigen::Vector2i(width_, height_));
   }
-  const Eigen::Vector2i size = last - first;
+  lay_out(first, last - first);
+}
+
+// Makes the raster one that begins at a cell and has a size, with what it holds.
+void FreeSpace::lay_out(const Eigen::Vector2i& first, const Eigen::Vector2i& size) {
   if (width_ > 0 && first == first_ && size == Eigen::Vector2i(width_, height_)) return;
   std::vector<FreeCell> cells(static_cast<std::size_t>(size.x()) * static_cast<std::size_t>(size.y()));
   for (int y = 0; y < height_; ++y) {
@@ -97,10 +111,26 @@ void FreeSpace::make_room(const Eigen::Vector2d& low, const Eigen::Vector2d& hig
   origin_ = params_.resolution * first.cast<double>();
   width_ = size.x();
   height_ = size.y();
-  touched_bits_.assign(cells_.size(), 0);
+  free_ = CellBits(width_, height_);
+  for (int y = 0; y < height_; ++y) {
+    const FreeCell* row = cells_.data() + static_cast<std::ptrdiff_t>(y) * width_;
+    free_.set_row(y, 0, width_, [row](int x) { return row[x].free(); });
+  }
 }
 
-void FreeSpace::trace(const Eigen::Vector3d& from, const Eigen::Vector3d& to, double floor_z) {
+struct FreeSpace::Sweep {
+  Eigen::Vector2i first;  // its lower left cell, counted from the map's origin
+  int width;              // a multiple of eight
+  int height;
+  std::vector<std::uint8_t>& bits;  // row by row
+
+  Sweep(const Eigen::Vector2i& low, const Eigen::Vector2i& high, std::vector<std::uint8_t>& memory)
+      : first(low), width((high.x() - low.x() + 8) / 8 * 8), height(high.y() - low.y() + 1), bits(memory) {
+    bits.assign(static_cast<std::size_t>(width) * static_cast<std::size_t>(height), 0);
+  }
+};
+
+void FreeSpace::trace(const Eigen::Vector3d& from, const Eigen::Vector3d& to, double floor_z, Sweep& sweep) const {
   const double cell_size = params_.resolution;
   const Eigen::Vector2d a = from.head<2>() / cell_size;  // on one lattice whatever the raster holds: marks are taken back exactly
   const Eigen::Vector2d way = (to - from).head<2>() / cell_size;
@@ -120,14 +150,9 @@ void FreeSpace::trace(const Eigen::Vector3d& from, const Eigen::Vector3d& to, do
   }
   if (enter >= leave) return;
   const bool hit = leave >= 1;
-  const Eigen::Vector2d first = first_.cast<double>();
+  const Eigen::Vector2d first = sweep.first.cast<double>();
   const Eigen::Vector2d begin = a + enter * way - first;
   const Eigen::Vector2d end = a + leave * way - first;
-  const auto set = [&](std::ptrdiff_t cell, std::uint8_t bit) {
-    const auto i = static_cast<std::size_t>(cell);
-    if (touched_bits_[i] == 0) touched_.push_back(i);
-    touched_bits_[i] |= bit;
-  };
   // Twice the part of the way at which the ray rises, or falls, through each height: its bits change there.
   const bool rises = rise > -1e-9;
   std::array<std::int64_t, 3> passes{};
@@ -137,55 +162,78 @@ void FreeSpace::trace(const Eigen::Vector3d& from, const Eigen::Vector3d& to, do
     const double never = height > 0 ? 2 : -1;
     passes[k] = static_cast<std::int64_t>(std::clamp(std::abs(rise) < 1e-9 ? never : at, -1.0, 2.0) * static_cast<double>(2 * whole_way));
   }
-  walk_cells<2>(begin, end, {1, width_}, [&](std::ptrdiff_t cell, std::int64_t in, std::int64_t out) {
-    if (out == whole_way) return false;  // the cell of the end
-    int heights = 0;
-    for (const std::int64_t pass : passes) heights += in + out >= pass ? 1 : 0;
-    set(cell, static_cast<std::uint8_t>(low_bit << (rises ? heights : 3 - heights)));
-    return true;
-  });
+  if (!rises) std::swap(passes.front(), passes.back());
+  std::uint8_t* bits = sweep.bits.data();
+  const auto bit_at = [rises](std::size_t heights) { return static_cast<std::uint8_t>(low_bit << (rises ? heights : 3 - heights)); };
+  const std::array<std::uint8_t, 4> bit{bit_at(0), bit_at(1), bit_at(2), bit_at(3)};
+  walk_stretches(begin, end, {1, sweep.width}, passes,
+                 [&](std::ptrdiff_t cell, std::size_t passed) { bits[cell] = static_cast<std::uint8_t>(bits[cell] | bit[passed]); });
   if (!hit) return;
   const Eigen::Vector2i last = end.array().floor().cast<int>();
-  set(last.y() * static_cast<std::ptrdiff_t>(width_) + last.x(), rise < floor_z + params_.head - from.z() ? hit_bit : hit_over_bit);
+  std::uint8_t& cell = bits[last.y() * static_cast<std::ptrdiff_t>(sweep.width) + last.x()];
+  cell = static_cast<std::uint8_t>(cell | (rise < floor_z + params_.head - from.z() ? hit_bit : hit_over_bit));
 }
 
 void FreeSpace::mark(const Rays& rays, const Mark& at, int sign) {
   std::vector<Eigen::Vector3d> from;
   for (const Eigen::Vector3f& viewpoint : rays.viewpoints) from.push_back(at.T_map_base * viewpoint.cast<double>());
   const Eigen::Matrix3d R = at.T_map_base.rotation.toRotationMatrix();
-  std::vector<std::pair<Eigen::Vector3d, Eigen::Vector3d>> traced;
+  const auto end_of = [&](const Ray& ray) -> Eigen::Vector3d {
+    return R * (end_unit * Eigen::Vector3d(ray.x, ray.y, ray.z)) + at.T_map_base.translation;
+  };
   Eigen::AlignedBox2d box;
   for (const Ray& ray : rays.rays) {
     const Eigen::Vector3d& begin = from[ray.viewpoint];
-    const Eigen::Vector3d end = R * (end_unit * Eigen::Vector3d(ray.x, ray.y, ray.z)) + at.T_map_base.translation;
-    const Eigen::Vector2d way = (end - begin).head<2>();
+    const Eigen::Vector2d way = (end_of(ray) - begin).head<2>();
     box.extend(begin.head<2>().eval()).extend((begin.head<2>() + std::min(1.0, params_.reach / std::max(way.norm(), 1e-9)) * way).eval());
-    traced.emplace_back(begin, end);
   }
   if (box.isEmpty()) return;
   const double margin = 2 * params_.resolution;
-  make_room(box.min().array() - margin, box.max().array() + margin);
-  for (const auto& [begin, end] : traced) trace(begin, end, at.floor_z);
-  for (const std::size_t i : touched_) {
-    FreeCell& cell = cells_[i];
-    const std::uint8_t bits = touched_bits_[i];
-    touched_bits_[i] = 0;
-    const auto count = [sign](std::uint16_t& value) { value = static_cast<std::uint16_t>(value + sign); };
-    if ((bits & over_bit) && !(bits & hit_over_bit)) count(cell.over);
-    // A cell with a surface is not free to this keyframe, whatever passed beside the surface within it.
-    if (bits & hit_bit) {
-      count(cell.hits);
-      continue;
+  const Eigen::Vector2d low = box.min().array() - margin;
+  const Eigen::Vector2d high = box.max().array() + margin;
+  make_room(low, high);
+  const auto cell_of = [this](const Eigen::Vector2d& p) -> Eigen::Vector2i { return (p / params_.resolution).array().floor().cast<int>(); };
+  Sweep sweep(cell_of(low), cell_of(high), scratch_);
+  for (const Ray& ray : rays.rays) trace(from[ray.viewpoint], end_of(ray), at.floor_z, sweep);
+  count(sweep, sign);
+}
+
+// Adds the keyframe's marks to the raster's cells, or takes them away.
+void FreeSpace::count(const Sweep& sweep, int sign) {
+  const auto add = [sign](std::uint16_t& value, int once) { value = static_cast<std::uint16_t>(value + sign * once); };
+  for (int y = 0; y < sweep.height; ++y) {
+    const std::uint8_t* bits = sweep.bits.data() + static_cast<std::ptrdiff_t>(y) * sweep.width;
+    const int row = y + sweep.first.y() - first_.y();
+    const int column = sweep.first.x() - first_.x();
+    for (int begin = 0; begin < sweep.width; begin += 8) {
+      std::uint64_t eight = 0;
+      std::memcpy(&eight, bits + begin, sizeof eight);
+      if (eight == 0) continue;
+      for (int x = begin; x < begin + 8; ++x) {
+        const int seen = bits[x];
+        if (seen == 0) continue;
+        FreeCell& cell = cells_[static_cast<std::size_t>(row) * static_cast<std::size_t>(width_) + static_cast<std::size_t>(column + x)];
+        if ((seen & over_bit) != 0 && (seen & hit_over_bit) == 0) add(cell.over, 1);
+        // A cell with a surface is not free to this keyframe, whatever passed beside the surface within it.
+        if ((seen & hit_bit) != 0) {
+          add(cell.hits, 1);
+        } else {
+          add(cell.low, (seen & low_bit) != 0 ? 1 : 0);
+          add(cell.mid, (seen & mid_bit) != 0 ? 1 : 0);
+          add(cell.high, (seen & high_bit) != 0 ? 1 : 0);
+        }
+        free_.put(column + x, row, cell.free());
+      }
     }
-    if (bits & low_bit) count(cell.low);
-    if (bits & mid_bit) count(cell.mid);
-    if (bits & high_bit) count(cell.high);
   }
-  touched_.clear();
 }
 
 void FreeSpace::update(const std::map<KeyframeId, Pose>& T_map_base, double floor_z) {
   floor_z_ = floor_z;
+  if (size_to_make_.x() > 0) {
+    lay_out(first_, std::exchange(size_to_make_, Eigen::Vector2i::Zero()));
+    for (const auto& [id, mark] : marks_) this->mark(*rays_.at(id), mark, 1);
+  }
   const double moved = 0.5 * params_.resolution;
   const double turned = moved / 5;  // half a cell at five metres
   std::vector<KeyframeId> fresh;

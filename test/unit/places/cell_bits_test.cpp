@@ -122,5 +122,21 @@ TEST(CellBits, GiveACellAwayOnce) {
   EXPECT_TRUE(rest.at(63, 1));
 }
 
+TEST(CellBits, HavePiecesWithoutTheirBorders) {
+  const Cells cells = random_cells(200, 12, 0.5, 3);
+  const CellBits bits = bits_of(cells);
+  for (const int first : {0, 5, 63, 64, 70}) {
+    for (const int width : {3, 63, 64, 65, 128, 130}) {
+      const CellBits piece = bits.inside(first, 2, width, 9);
+      for (int y = 0; y < 9; ++y) {
+        for (int x = 0; x < (width + 63) / 64 * 64; ++x) {
+          const bool inner = x > 0 && y > 0 && x < width - 1 && y < 8;
+          ASSERT_EQ(piece.at(x, y), inner && bits.at(first + x, 2 + y)) << x << ' ' << y << " from " << first << " width " << width;
+        }
+      }
+    }
+  }
+}
+
 }  // namespace
 }  // namespace sgraph

@@ -26,6 +26,36 @@ TEST(FreeSpace, MarksOfAKeyframeMoveWithIt) {
   }
 }
 
+// A state to come back to has no raster until it is come back to.
+TEST(FreeSpace, ACopyMakesItsRasterAnew) {
+  ScannedPlan scanned;
+  scanned.face({{0, 0}, {6, 0}, {6, 4}, {0, 4}});
+  scanned.walk({{1, 1}, {5, 3}, {1, 1}});
+  const FreeSpace copy = scanned.space;
+  EXPECT_EQ(copy.width(), 0);
+  EXPECT_FALSE(copy.at({3, 1.5}).free());
+  FreeSpace again = copy;  // of what has none itself
+  again.update(scanned.poses, 0);
+  ASSERT_EQ(again.width(), scanned.space.width());
+  ASSERT_EQ(again.origin(), scanned.space.origin());
+  int seen = 0;
+  for (double x = -1; x < 7; x += 0.05) {
+    for (double y = -1; y < 5; y += 0.05) {
+      const FreeCell& a = again.at({x, y});
+      const FreeCell& b = scanned.space.at({x, y});
+      ASSERT_TRUE(a.low == b.low && a.mid == b.mid && a.high == b.high && a.over == b.over && a.hits == b.hits) << x << ' ' << y;
+      seen += a.seen_through() ? 1 : 0;
+    }
+  }
+  EXPECT_GT(seen, 1000);
+  for (int y = 0; y < again.height(); ++y) {
+    for (int x = 0; x < again.width(); ++x) {
+      const Eigen::Vector2d middle = again.origin() + again.resolution() * Eigen::Vector2d(x + 0.5, y + 0.5);
+      ASSERT_EQ(again.free_cells().at(x, y), again.at(middle).free());
+    }
+  }
+}
+
 // Whoever walks to and fro for hours keeps what was seen last, not all of it.
 TEST(FreeSpace, GrowsWithTheAreaAndNotWithTheTime) {
   ScannedPlan scanned;

@@ -24,6 +24,11 @@ class CellBits {
   }
   /// Sets the cells [begin, end) of a row.
   void set(int y, int begin, int end);
+  void put(int x, int y, bool in) {
+    std::uint64_t& word = row(y)[x / 64];
+    const std::uint64_t bit = std::uint64_t{1} << (x % 64);
+    word = in ? word | bit : word & ~bit;
+  }
   /// Takes a cell out; false when it wasn't in.
   bool take(int x, int y) {
     std::uint64_t& word = row(y)[x / 64];
@@ -33,6 +38,8 @@ class CellBits {
     return was;
   }
 
+  /// A piece of the window, without the cells at its own border.
+  [[nodiscard]] CellBits inside(int x, int y, int width, int height) const;
   /// These cells but for those of another set of the same size.
   [[nodiscard]] CellBits without(const CellBits& other) const;
   /// Visits the stretches [begin, end) of a row, in order.

@@ -7,6 +7,7 @@
 
 #include <Eigen/Core>
 
+#include "sgraph_slam/core/places/cell_bits.hpp"
 #include "sgraph_slam/core/places/params.hpp"
 #include "sgraph_slam/core/types/cloud.hpp"
 #include "sgraph_slam/core/types/ids.hpp"
@@ -28,9 +29,17 @@ struct FreeCell {
 
 /// The free space of a storey: a raster of its floor on which every keyframe has marked what its rays passed. Each keyframe keeps a thinned subset of
 /// its rays in its own frame, so that its marks can be taken back and set again when its pose moves. One thread.
+///
+/// A copy has no raster until its next update(), which makes it from the marks, the same to the last bit: states to come back to are copied often and
+/// come back to hardly ever.
 class FreeSpace {
  public:
   explicit FreeSpace(const FreeSpaceParams& params) : params_(params) {}
+  FreeSpace(const FreeSpace& other);
+  FreeSpace& operator=(const FreeSpace& other) { return *this = FreeSpace(other); }
+  FreeSpace(FreeSpace&&) = default;
+  FreeSpace& operator=(FreeSpace&&) = default;
+  ~FreeSpace() = default;
 
   /// Keeps rays of a keyframe's cloud (LiDAR frame, seen from its viewpoints). A keyframe is taken once, unless it has been let go.
   void add(KeyframeId id, const Cloud& cloud, const Pose& T_base_lidar);
@@ -45,8 +54,8 @@ class FreeSpace {
   [[nodiscard]] const Eigen::Vector2d& origin() const { return origin_; }
   [[nodiscard]] int width() const { return width_; }
   [[nodiscard]] int height() const { return height_; }
-  /// Row by row, row 0 at the lowest y.
-  [[nodiscard]] const std::vector<FreeCell>& cells() const { return cells_; }
+  /// The cells that are free.
+  [[nodiscard]] const CellBits& free_cells() const { return free_; }
   /// Ends of the rays of keyframes no further than the given distance [m] from a position, as their marks are now; map frame.
   [[nodiscard]] std::vector<Eigen::Vector3d> ends_near(const Eigen::Vector2d& p, double keyframes_within, double ends_within) const;
   [[nodiscard]] double floor_z() const { return floor_z_; }
@@ -68,10 +77,15 @@ class FreeSpace {
     double floor_z = 0;
   };
 
+  // What the rays of one keyframe passed: a piece of the raster, in scratch memory.
+  struct Sweep;
+
   void thin_spot(KeyframeId newest);
   void mark(const Rays& rays, const Mark& at, int sign);
-  void trace(const Eigen::Vector3d& from, const Eigen::Vector3d& to, double floor_z);
+  void trace(const Eigen::Vector3d& from, const Eigen::Vector3d& to, double floor_z, Sweep& sweep) const;
+  void count(const Sweep& sweep, int sign);
   void make_room(const Eigen::Vector2d& low, const Eigen::Vector2d& high);
+  void lay_out(const Eigen::Vector2i& first, const Eigen::Vector2i& size);
 
   FreeSpaceParams params_;
   std::map<KeyframeId, std::shared_ptr<const Rays>> rays_;  // shared by copies
@@ -81,9 +95,10 @@ class FreeSpace {
   int width_ = 0;
   int height_ = 0;
   double floor_z_ = 0;
+  Eigen::Vector2i size_to_make_ = Eigen::Vector2i::Zero();  // of a copy's raster
   std::vector<FreeCell> cells_;
-  std::vector<std::uint8_t> touched_bits_;  // of the keyframe being marked, by cell
-  std::vector<std::size_t> touched_;
+  CellBits free_{0, 0};                // of them, which are free
+  std::vector<std::uint8_t> scratch_;  // of sweeps
 };
 
 }  // namespace sgraph

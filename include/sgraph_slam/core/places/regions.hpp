@@ -32,7 +32,9 @@ struct Regions {
 };
 
 /// Connected free cells that a disc of the robot's radius can pass between, parted by the solid stretches of the lines and by the gaps that are cut.
-/// The rest of the free cells belongs to the piece that reaches it first. Pieces smaller than `params.min_area` are none.
-Regions find_regions(const FreeSpace& space, const std::vector<WallLine>& lines, const std::vector<Eigen::Vector2d>& path, const PlaceParams& params);
+/// The rest of the free cells belongs to the piece that reaches it first. Pieces smaller than `params.min_area` are none. `used`: regions that nobody
+/// needs any more; their memory is used again, as fresh memory for a label a cell takes longer than filling it.
+Regions find_regions(const FreeSpace& space, const std::vector<WallLine>& lines, const std::vector<Eigen::Vector2d>& path, const PlaceParams& params,
+                     Regions used = {});
 
 }  // namespace sgraph
