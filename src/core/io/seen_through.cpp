@@ -17,8 +17,14 @@ constexpr double reach = 6;                   // of the judgement about a sensor
 constexpr double clearance = 0.4;             // a ray says nothing of what lies this near to its end [m]
 constexpr std::int32_t rays_for_a_look = 6;   // through one cell, by one keyframe
 constexpr std::uint8_t looks_for_a_pass = 2;  // keyframes; one may have looked past an edge
-constexpr double on_plane = 0.08;             // [m]: a wall's noise, and what a plane's estimate may be off
-constexpr double beside_plane = 0.2;          // [m] beyond its outline
+// Keyframes that hit who only walks by, for each time that somebody has come after the place was empty: half a metre wide at half a metre a second
+// one is out of a cell after a second and a half, and a keyframe lasts longer than that. Where people come and go they also meet, and wait.
+constexpr int hits_a_coming = 2;
+constexpr std::uint8_t most_comings = 3;
+constexpr std::uint8_t most_hits = 7;  // more aren't counted
+constexpr double on_plane = 0.08;      // [m]: a wall's noise, and what a plane's estimate may be off
+constexpr double beside_plane = 0.2;   // [m] beyond its outline
+constexpr double empty_share = 0.8;    // of the cells of a plane that people made
 
 // What a keyframe says of a cell, with its number in one word: words of earlier keyframes are smaller, so nothing is ever cleared.
 constexpr std::int32_t words = 16;       // a keyframe
@@ -34,6 +40,21 @@ bool is_within(const std::vector<Eigen::Vector3d>& outline, const Eigen::Vector3
 }
 
 }  // namespace
+
+void SeenThrough::Cell::hit() {
+  if (passes >= looks_for_a_pass) {
+    if (comings < most_comings) ++comings;
+    hits = 0;
+  }
+  if (hits < most_hits) ++hits;
+  passes = 0;
+}
+
+void SeenThrough::Cell::look_through() {
+  if (passes < looks_for_a_pass) ++passes;
+}
+
+bool SeenThrough::Cell::is_empty() const { return passes >= looks_for_a_pass || (comings > 0 && hits <= hits_a_coming * comings); }
 
 SeenThrough::SeenThrough(const GraphSnapshot& snapshot, const Pose& T_base_lidar) {
   for (const auto& [id, plane] : snapshot.planes) {
@@ -62,7 +83,7 @@ SeenThrough::SeenThrough(const GraphSnapshot& snapshot, const Pose& T_base_lidar
   origin_ = bounds.min();
   size_ = (bounds.sizes() / cell_).array().ceil().cast<int>().max(1);
   const std::size_t count = index({0, 0, size_.z()});
-  passes_.assign(count, 0);
+  cells_.assign(count, {});
   // With a layer below and one above: a ray that ends at the border may step over it.
   const std::size_t layer = index({0, 0, 1});
   std::vector<std::int32_t> padded(count + 2 * layer, -1);
@@ -88,7 +109,7 @@ SeenThrough::SeenThrough(const GraphSnapshot& snapshot, const Pose& T_base_lidar
       std::int32_t& own = word[index(cell)];
       if (own == now + is_hit) continue;  // by another point
       own = now + is_hit;
-      passes_[index(cell)] = 0;
+      cells_[index(cell)].hit();
       if (of_plane[index(cell)] != 0) continue;  // what hits a wall says nothing of who stands before it
       for (int z = -1; z <= 1; ++z) {
         for (int y = -1; y <= 1; ++y) {
@@ -119,37 +140,52 @@ SeenThrough::SeenThrough(const GraphSnapshot& snapshot, const Pose& T_base_lidar
         if (rays >= rays_for_a_look) return true;  // enough, or beside a hit
         word[i] = now + rays + 1;
         if (rays + 1 < rays_for_a_look || i < 0 || static_cast<std::size_t>(i) >= count) return true;
-        std::uint8_t& passes = passes_[static_cast<std::size_t>(i)];
-        if (passes < looks_for_a_pass) ++passes;
+        cells_[static_cast<std::size_t>(i)].look_through();
         return true;
       });
+    }
+  }
+  surfaces_.erase(std::remove_if(surfaces_.begin(), surfaces_.end(), [&](const Surface& surface) { return is_of_passers(surface); }),
+                  surfaces_.end());
+}
+
+template <class Visit>
+void SeenThrough::visit_cells(const Surface& surface, Visit&& visit) const {
+  const Eigen::Matrix<double, 3, 2> basis = tangent_basis(surface.plane.normal);
+  Eigen::AlignedBox2d area;
+  for (const Eigen::Vector3d& corner : surface.outline) area.extend(Eigen::Vector2d(basis.transpose() * corner));
+  const double step = 0.5 * cell_;
+  for (double u = area.min().x(); u <= area.max().x() + step; u += step) {
+    for (double v = area.min().y(); v <= area.max().y() + step; v += step) {
+      const Eigen::Vector3d p = basis * Eigen::Vector2d(u, v) - surface.plane.d * surface.plane.normal;
+      const Eigen::Vector3d at = (p - origin_) / cell_;
+      if (!((at.array() >= 0).all() && (at.array() < size_.cast<double>().array()).all())) continue;
+      if (is_within(surface.outline, surface.plane.normal, p, beside_plane)) visit(index(cell_of(p)));
     }
   }
 }
 
 std::vector<std::uint8_t> SeenThrough::plane_cells() const {
-  std::vector<std::uint8_t> cells(passes_.size(), 0);
-  for (const Surface& surface : surfaces_) {
-    const Eigen::Matrix<double, 3, 2> basis = tangent_basis(surface.plane.normal);
-    Eigen::AlignedBox2d area;
-    for (const Eigen::Vector3d& corner : surface.outline) area.extend(Eigen::Vector2d(basis.transpose() * corner));
-    const double step = 0.5 * cell_;
-    for (double u = area.min().x(); u <= area.max().x() + step; u += step) {
-      for (double v = area.min().y(); v <= area.max().y() + step; v += step) {
-        const Eigen::Vector3d p = basis * Eigen::Vector2d(u, v) - surface.plane.d * surface.plane.normal;
-        const Eigen::Vector3d at = (p - origin_) / cell_;
-        if (!((at.array() >= 0).all() && (at.array() < size_.cast<double>().array()).all())) continue;
-        if (is_within(surface.outline, surface.plane.normal, p, beside_plane)) cells[index(cell_of(p))] = 1;
-      }
-    }
-  }
+  std::vector<std::uint8_t> cells(cells_.size(), 0);
+  for (const Surface& surface : surfaces_) visit_cells(surface, [&](std::size_t i) { cells[i] = 1; });
   return cells;
+}
+
+bool SeenThrough::is_of_passers(const Surface& surface) const {
+  int hit = 0;
+  int empty = 0;
+  visit_cells(surface, [&](std::size_t i) {
+    if (cells_[i].hits == 0) return;
+    ++hit;
+    empty += cells_[i].is_empty();
+  });
+  return empty > empty_share * hit;
 }
 
 bool SeenThrough::operator()(const Eigen::Vector3d& p_map) const {
   const Eigen::Vector3d at = (p_map - origin_) / cell_;
-  if (passes_.empty() || !((at.array() >= 0).all() && (at.array() < size_.cast<double>().array()).all())) return false;  // false for NaN
-  return passes_[index(cell_of(p_map))] >= looks_for_a_pass && !is_on_a_plane(p_map);
+  if (cells_.empty() || !((at.array() >= 0).all() && (at.array() < size_.cast<double>().array()).all())) return false;  // false for NaN
+  return cells_[index(cell_of(p_map))].is_empty() && !is_on_a_plane(p_map);
 }
 
 bool SeenThrough::is_on_a_plane(const Eigen::Vector3d& p_map) const {

@@ -9,10 +9,12 @@
 
 namespace sgraph {
 
-/// What is not there any more: people who walked by, doors that were opened, things carried away. A place is seen through when, after a keyframe last
-/// hit it, two later ones looked through it without hitting anything in or beside it. Points on planes of the graph are never counted as such: rays
-/// that graze a floor pass just above it. What the last visit saw stays, and so does what is thin: whoever looks at a table's leg closely enough to
-/// see through the place beside it hits the leg too.
+/// What is not there any more: people who walked by, doors that were opened, things carried away. A place is empty when, after a keyframe last hit
+/// it, two later ones looked through it without hitting anything in or beside it. It counts as empty, too, when it was so before and has been hit by
+/// no more than two keyframes since: whoever walks by stays no longer. Where somebody has come twice or more often, four or six keyframes are needed.
+/// What the last visit saw for longer stays, and so does what is thin: whoever looks at a table's leg closely enough to see through the place beside
+/// it hits the leg too. Points on planes of the graph are never counted as gone, for rays that graze a floor pass just above it; but for planes of
+/// which nearly all is empty, which people make who walk along a line.
 class SeenThrough {
  public:
   /// Reads the keyframes' clouds once. A byte a cell of 0.2 m near the path, six while it is made; larger cells where that would be
@@ -32,8 +34,24 @@ class SeenThrough {
     Eigen::AlignedBox3d box;
   };
 
+  // What the keyframes have shown of a cell, one after the other.
+  struct Cell {
+    std::uint8_t passes : 2;   // keyframes that looked through it since it was last hit,
+    std::uint8_t hits : 3;     // and that hit it since it was last empty;
+    std::uint8_t comings : 2;  // how often it was hit after it had been empty
+
+    Cell() : passes(0), hits(0), comings(0) {}
+    void hit();
+    void look_through();
+    [[nodiscard]] bool is_empty() const;
+  };
+
   /// Which cells a plane of the graph passes.
   [[nodiscard]] std::vector<std::uint8_t> plane_cells() const;
+  /// Whether most of a plane's cells are empty again: people who walk along a line are a wall to whoever puts their scans together.
+  [[nodiscard]] bool is_of_passers(const Surface& surface) const;
+  template <class Visit>
+  void visit_cells(const Surface& surface, Visit&& visit) const;
   [[nodiscard]] bool is_on_a_plane(const Eigen::Vector3d& p_map) const;
   [[nodiscard]] std::size_t index(const Eigen::Vector3i& cell) const {
     return static_cast<std::size_t>((std::int64_t{cell.z()} * size_.y() + cell.y()) * size_.x() + cell.x());
@@ -44,7 +62,7 @@ class SeenThrough {
   double cell_ = 0;
   Eigen::Vector3d origin_ = Eigen::Vector3d::Zero();
   Eigen::Vector3i size_ = Eigen::Vector3i::Zero();
-  std::vector<std::uint8_t> passes_;  // keyframes that looked through the cell since it was last hit
+  std::vector<Cell> cells_;
   std::vector<Surface> surfaces_;
 };
 
