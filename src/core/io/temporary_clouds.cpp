@@ -119,7 +119,11 @@ void TemporaryClouds::put(KeyframeId id, const CloudPtr& cloud) {
   const std::lock_guard<std::mutex> lock(mutex_);
   newest_.remove_if([id](const auto& entry) { return entry.first == id; });
   unwritten_.erase(id);
-  places_.erase(id);
+  if (const auto place = places_.find(id); place != places_.end()) {
+    // Gives its blocks back to the disk; where the file system can't, they are lost until the end.
+    if (!cloud) ::fallocate(file_, FALLOC_FL_PUNCH_HOLE | FALLOC_FL_KEEP_SIZE, place->second.offset, static_cast<off_t>(place->second.bytes));
+    places_.erase(place);
+  }
   if (!cloud) return;
   if (file_ < 0) {
     unwritten_[id] = cloud;

@@ -76,8 +76,12 @@ class BackEnd::Implementation {
 
  private:
   GraphSnapshotPtr shown(const Keyframe* added) {
+    const std::vector<KeyframeId> gone = std::exchange(state_.clouds_let_go, {});
+    if (state_.clouds) {
+      for (const KeyframeId id : gone) state_.clouds->put(id, nullptr);
+    }
     if (observer_ == nullptr) return snapshot_;
-    const std::string failure = failure_of([&] { observer_->changed({state_.graph, state_.planes.map, state_.log, *snapshot_, added}); });
+    const std::string failure = failure_of([&] { observer_->changed({state_.graph, state_.planes.map, state_.log, *snapshot_, added, gone}); });
     if (!failure.empty()) failures_.push_back("the map was not shown: " + failure);
     builder_.clock().book("store");
     return snapshot_;

@@ -266,7 +266,11 @@ void MapBuilder::retire_known() {
   const auto window = static_cast<std::size_t>(state_.params.solving.window);
   if (poses.size() <= window) return;
   const KeyframeId end = std::prev(poses.end(), static_cast<std::ptrdiff_t>(window) + 1)->first;
-  retire_keyframes(committer_, state_.planes, {state_.session.first}, end);
+  const std::vector<KeyframeId> retired = retire_keyframes(committer_, state_.planes, {state_.session.first}, end);
+  for (const KeyframeId id : clouds_to_let_go(state_.graph, state_.retired_with_clouds, retired)) {
+    state_.keyframes.at(id).cloud = nullptr;
+    state_.clouds_let_go.push_back(id);
+  }
 }
 
 // What is too low or has been seen too rarely bounds no place.

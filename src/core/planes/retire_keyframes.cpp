@@ -14,8 +14,9 @@
 namespace sgraph {
 namespace {
 
-constexpr double spot = 0.5;      // from no further apart a wall five metres away is seen within 6 degrees of the same direction [m]
-constexpr double as_large = 0.9;  // a view shows the same part of a plane when they overlap and it is at least this much of the other's area
+constexpr double spot = 0.5;            // from no further apart a wall five metres away is seen within 6 degrees of the same direction [m]
+constexpr std::size_t last_visits = 4;  // of retired keyframes at a spot, whose clouds stay
+constexpr double as_large = 0.9;        // a view shows the same part of a plane when they overlap and it is at least this much of the other's area
 
 // A view of a plane, its outline in the map.
 struct View {
@@ -189,10 +190,10 @@ Vector6 retired_sigma(const FactorParams& params) {
   return sigma;
 }
 
-int retire_keyframes(Committer& committer, PlaneLayer& planes, KeyframeId first, KeyframeId end) {
+std::vector<KeyframeId> retire_keyframes(Committer& committer, PlaneLayer& planes, KeyframeId first, KeyframeId end) {
   const auto enough = static_cast<std::size_t>(planes.params.factors.spot_keyframes);
   const KeyframeId begin = std::max(planes.may_retire, first);
-  if (enough == 0 || !(begin < end)) return 0;
+  if (enough == 0 || !(begin < end)) return {};
   planes.may_retire = end;
   const Graph& graph = committer.graph;
   std::vector<KeyframeId> kept;
@@ -200,19 +201,33 @@ int retire_keyframes(Committer& committer, PlaneLayer& planes, KeyframeId first,
     if (!joints_of(graph, keyframe->first).retired) kept.push_back(keyframe->first);
   }
   Views views(graph, planes.map);
-  int count = 0;
+  std::vector<KeyframeId> retired;
   for (auto keyframe = graph.keyframes().lower_bound(begin); keyframe != graph.keyframes().end() && keyframe->first < end; ++keyframe) {
     const auto& [id, T_map_base] = *keyframe;
     const std::vector<KeyframeId> at_spot = near(graph, kept, T_map_base.translation);
     const Joints joints = joints_of(graph, id);
     const bool may = at_spot.size() >= enough && !joints.held_by_others && joints.before.size() == 1 && joints.after.size() == 1;
     if (may && retire(committer, planes, views, id, joints, at_spot)) {
-      ++count;
+      retired.push_back(id);
     } else {
       kept.push_back(id);
     }
   }
-  return count;
+  return retired;
+}
+
+std::vector<KeyframeId> clouds_to_let_go(const Graph& graph, std::set<KeyframeId>& with_clouds, const std::vector<KeyframeId>& newly) {
+  std::vector<KeyframeId> gone;
+  for (const KeyframeId id : newly) {
+    with_clouds.insert(id);
+    std::vector<KeyframeId> here = near(graph, {with_clouds.begin(), with_clouds.end()}, graph.find(id)->translation);
+    const auto most = static_cast<std::ptrdiff_t>(last_visits);
+    for (auto old = here.begin(); here.end() - old > most; ++old) {
+      with_clouds.erase(*old);
+      gone.push_back(*old);
+    }
+  }
+  return gone;
 }
 
 }  // namespace sgraph

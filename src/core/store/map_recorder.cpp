@@ -76,6 +76,7 @@ void MapRecorder::changed(const MapView& view) {
   if (view.keyframe != nullptr && view.graph.find(view.keyframe->id) != nullptr && poses_.count(view.keyframe->id) == 0) {
     batch.keyframes.push_back(*view.keyframe);
   }
+  batch.clouds_let_go = view.clouds_let_go;
   note_poses(view, batch);
   note_planes(view, batch);
   note_factors(view, batch);

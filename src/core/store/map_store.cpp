@@ -62,8 +62,8 @@ std::string plane_bytes(const Plane& plane) { return matrix_bytes(Eigen::Vector4
 }  // namespace
 
 bool StoreBatch::empty() const {
-  return keyframes.empty() && poses.empty() && planes.empty() && removed_planes.empty() && views.empty() && factors.empty() &&
-         removed_factors.empty() && merges.empty() && removed_merges.empty() && decisions.empty() && documents.empty();
+  return keyframes.empty() && clouds_let_go.empty() && poses.empty() && planes.empty() && removed_planes.empty() && views.empty() &&
+         factors.empty() && removed_factors.empty() && merges.empty() && removed_merges.empty() && decisions.empty() && documents.empty();
 }
 
 /// The file and its prepared statements; used by the constructor, then by the thread alone.
@@ -110,6 +110,7 @@ class MapStore::File {
         : session(d, "INSERT OR REPLACE INTO sessions VALUES(?,?,?,?,?,?,?,?,?)"),
           keyframe(d, "INSERT OR REPLACE INTO keyframes VALUES(?,?,?,?,?,?,?)"),
           cloud(d, "INSERT OR REPLACE INTO clouds VALUES(?,?,?)"),
+          no_cloud(d, "DELETE FROM clouds WHERE keyframe = ?"),
           pose(d, "INSERT OR REPLACE INTO poses VALUES(?,?)"),
           plane(d, "INSERT OR REPLACE INTO planes VALUES(?,?,?,?,?,?)"),
           no_plane(d, "DELETE FROM planes WHERE id = ?"),
@@ -121,7 +122,7 @@ class MapStore::File {
           no_merge(d, "DELETE FROM merges WHERE merged = ?"),
           decision(d, "INSERT INTO decisions(keyframe, accepted, what, reason) VALUES(?,?,?,?)"),
           document(d, "INSERT OR REPLACE INTO documents VALUES(?,?)") {}
-    Statement session, keyframe, cloud, pose, plane, no_plane, view, factor, no_factor, no_view, merge, no_merge, decision, document;
+    Statement session, keyframe, cloud, no_cloud, pose, plane, no_plane, view, factor, no_factor, no_view, merge, no_merge, decision, document;
   };
 
   void write(const StoreBatch& batch) {
@@ -131,6 +132,7 @@ class MapStore::File {
       write_session();
     }
     for (const Keyframe& keyframe : batch.keyframes) write(keyframe);
+    for (const KeyframeId id : batch.clouds_let_go) s.no_cloud.bind(1, id.value).run();
     for (const auto& [id, pose] : batch.poses) s.pose.bind(1, id.value).bind_blob(2, pose_bytes(pose)).run();
     for (const StoredPlane& plane : batch.planes) {
       s.plane.bind(1, plane.id.value)

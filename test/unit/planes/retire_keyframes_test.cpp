@@ -4,6 +4,8 @@
 
 #include <cmath>
 #include <random>
+#include <set>
+#include <vector>
 
 #include "sgraph_slam/core/graph/solver.hpp"
 #include "sgraph_slam/core/planes/add_observations.hpp"
@@ -21,7 +23,7 @@ class Walks {
     for (int i = 0; i < keyframes; ++i) step();
   }
 
-  int retire() { return retire_keyframes(committer_, planes_, {0}, {newest_ - 8}); }
+  int retire() { return static_cast<int>(retire_keyframes(committer_, planes_, {0}, {newest_ - 8}).size()); }
 
   // Where the robot really is at keyframe k: to and fro along x.
   static Pose truth(std::int64_t k) {
@@ -170,6 +172,30 @@ TEST(RetireKeyframes, KeepTheirPlaceAndPullAtNothing) {
   for (const auto& [id, record] : walks.planes_.map.records()) EXPECT_EQ(record.last_seen, records.at(id).last_seen);
   solve(walks.graph_, {});
   for (const auto& [id, pose] : before.keyframes()) EXPECT_LT((pose.translation - walks.graph_.find(id)->translation).norm(), 0.004);
+}
+
+// The newest show what has been moved since.
+TEST(RetireKeyframes, CloudsAreBoundedByTheSpotsToo) {
+  Walks walks(2);
+  std::set<KeyframeId> with_clouds;
+  std::set<KeyframeId> gone;
+  std::size_t after_fifty = 0;
+  for (int k = 0; k < 20; ++k) {
+    walks.go(10);
+    const std::vector<KeyframeId> newly = retire_keyframes(walks.committer_, walks.planes_, {0}, {10 * k + 2});
+    for (const KeyframeId id : clouds_to_let_go(walks.graph_, with_clouds, newly)) EXPECT_TRUE(gone.insert(id).second) << id.value;
+    if (k == 5) after_fifty = with_clouds.size();
+  }
+  EXPECT_GT(gone.size(), 100U);
+  EXPECT_LE(with_clouds.size(), after_fifty + 5);
+  for (const KeyframeId id : with_clouds) EXPECT_EQ(gone.count(id), 0U);
+  // Of each spot's, the newest are there.
+  for (const KeyframeId id : gone) {
+    int newer = 0;
+    for (const KeyframeId other : with_clouds)
+      newer += id < other && (walks.graph_.find(id)->translation - walks.graph_.find(other)->translation).norm() < 1.0 ? 1 : 0;
+    EXPECT_GE(newer, 4) << id.value;
+  }
 }
 
 // What the others didn't show goes to the one beside it, measured as that one would have.

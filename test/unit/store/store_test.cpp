@@ -18,6 +18,7 @@
 #include "sgraph_slam/core/graph/serialization.hpp"
 #include "sgraph_slam/core/io/file.hpp"
 #include "sgraph_slam/core/io/graph_json.hpp"
+#include "sgraph_slam/core/io/temporary_clouds.hpp"
 #include "sgraph_slam/core/mapping/back_end.hpp"
 #include "sgraph_slam/core/store/cloud_codec.hpp"
 #include "sgraph_slam/core/store/map_recorder.hpp"
@@ -179,6 +180,42 @@ TEST(Store, HoldsTheWholeMap) {
   EXPECT_EQ(summary.keyframes, static_cast<std::int64_t>(final_state->keyframes.size()));
   EXPECT_EQ(summary.rooms, static_cast<std::int64_t>(final_state->rooms.size()));
   EXPECT_EQ(summary.schema, store_schema);
+}
+
+// Who walks the same way for hours makes no larger file than the way needs.
+TEST(Store, CloudsThatNobodyNeedsLeaveTheFile) {
+  const Folder folder;
+  const std::string path = folder.file("map.sgmap");
+  MappingParams params;
+  params.factors.spot_keyframes = 2;
+  std::vector<Eigen::Vector2d> waypoints;
+  for (int round = 0; round < 12; ++round) waypoints.insert(waypoints.end(), {{1, 1}, {5, 1}});
+  BackEnd back_end(params, MappedBuilding::T_base_lidar(), std::make_shared<TemporaryClouds>());
+  GraphSnapshotPtr final_state;
+  std::size_t keyframes = 0;
+  {
+    MapStore store(path, MapStore::Mode::create, session());
+    MapRecorder recorder(store);
+    back_end.observe(&recorder);
+    for (SeenKeyframe seen : flat().walk(waypoints, 0.5, 0.3, {}, 2)) {
+      seen.keyframe.cloud = std::make_shared<const Cloud>(some_cloud(7));
+      back_end.process(seen.keyframe, seen.segments);
+      ++keyframes;
+    }
+    final_state = back_end.optimize();
+    ASSERT_TRUE(store.flush(seconds(20)));
+  }
+  const StoredMap map = read_map(path, Clouds::all);
+  EXPECT_TRUE(map.faults.empty());
+  EXPECT_TRUE(check_map(path).empty());
+  std::size_t with_cloud = 0;
+  for (const auto& [id, keyframe] : map.keyframes) {
+    EXPECT_EQ(keyframe.cloud != nullptr, final_state->keyframes.at(id).cloud.get() != nullptr) << id.value;
+    with_cloud += keyframe.cloud != nullptr ? 1 : 0;
+  }
+  EXPECT_EQ(map.keyframes.size(), keyframes);
+  EXPECT_LT(2 * with_cloud, keyframes);
+  EXPECT_GT(with_cloud, 10U);
 }
 
 // A reader sees what was written while the map still grows.

@@ -56,6 +56,7 @@ struct StoredView {
 /// What has changed in a map: written as a whole or not at all.
 struct StoreBatch {
   std::vector<Keyframe> keyframes;  ///< new ones, with their clouds
+  std::vector<KeyframeId> clouds_let_go;
   std::vector<std::pair<KeyframeId, Pose>> poses;
   std::vector<StoredPlane> planes;
   std::vector<PlaneId> removed_planes;

@@ -14,8 +14,8 @@ class KeyframeClouds {
  public:
   virtual ~KeyframeClouds() = default;
 
-  /// Keeps the cloud of a keyframe, points in the LiDAR's frame; replaces one put earlier. Never loses it: where it can't be written (no space left)
-  /// it stays in memory, and whoever owns the store reports that.
+  /// Keeps the cloud of a keyframe, points in the LiDAR's frame; replaces one put earlier; null: lets that go.
+  /// Never loses it: where it can't be written (no space left) it stays in memory, and whoever owns the store reports that.
   virtual void put(KeyframeId id, const CloudPtr& cloud) = 0;
 
   /// The cloud as it was put, viewpoints included; null when there is none, or when it can't be read any more.
