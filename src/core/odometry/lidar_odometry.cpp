@@ -88,6 +88,12 @@ MotionOutput LidarOdometry::process(const CloudPtr& cloud) {
   return output;
 }
 
+// The scans of the window and the map: new and old ones agree from the next scan on.
+void LidarOdometry::correct(const RingCalibration& added) {
+  window_.correct(added);
+  local_.correct(added);
+}
+
 std::vector<FinalScan> LidarOdometry::finish() {
   std::vector<FinalScan> finals;
   make_final(0, finals);

@@ -61,6 +61,8 @@ class Odometry::Implementation {
 
   OdometryOutput process(const CloudPtr& scan) {
     calibrator_.recognise(*scan);
+    if (const auto added = calibrator_.added()) source_->correct(*added);
+    source_->remember_scans(!calibrator_.decided());
     MotionOutput motion = source_->process(calibrator_.taken_out()->corrected(scan));
     OdometryOutput output;
     output.verdict = motion.verdict;

@@ -53,9 +53,9 @@ constexpr double place_distance = 0.2;  // [m] between scans that are taken
 constexpr double place_angle = 0.15;    // [rad]
 constexpr int scans_a_place = 5;        // standing still shows the same textures again and again
 constexpr int scans_a_solution = 20;
-constexpr int scans_in_flight = 3;  // between coming in and being final
-constexpr int least_scans = 40;     // before anything is taken out
-constexpr int shown_scans = 20;     // in which the beams must show
+constexpr int least_scans = 40;  // before anything is taken out
+constexpr int most_scans = 100;  // after which beams that aren't known yet stay as they are
+constexpr int shown_scans = 20;  // in which the beams must show
 
 // A sensor without errors comes out with offsets of 0.7 to 1.4 mm (rms), whatever their standard deviations say: texture, edges, and what elevations
 // take for themselves. Offsets are taken out when they are so large that this can't be more than a quarter of their variance.
@@ -71,18 +71,24 @@ std::array<int, 3> cell_of(const Eigen::Vector3d& p) {
 RingCalibrator::RingCalibrator(const CalibrationParams& params) : params_(params), index_(edge) {
   if (!params.file.empty() && params.mode != "off") calibration_ = std::make_shared<const RingCalibration>(read_calibration(params.file));
   taken_out_ = calibration_;
+  decided_ = params.mode != "auto" || taken_out_->corrects();
 }
 
 void RingCalibrator::switch_off() {
   rings_ = 0;
+  decided_ = true;
+  next_.reset();
   shown_ = shown_scans;
   taken_out_ = calibration_ = std::make_shared<const RingCalibration>();
 }
 
 void RingCalibrator::recognise(const Cloud& raw) {
+  added_.reset();
+  if (next_) begin_to_take_out();
   if (params_.mode == "fixed" || params_.mode == "off" || shown_ >= shown_scans) return;
   ++shown_;
   learn_beams(raw);
+  if (shown_ >= shown_scans && rings_ == 0) decided_ = true;
 }
 
 void RingCalibrator::learn_beams(const Cloud& raw) {
@@ -145,10 +151,6 @@ bool RingCalibrator::same_place(const Pose& pose) {
 
 void RingCalibrator::add(const Cloud& scan, const Pose& T_odom_lidar) {
   if (rings_ == 0) return;
-  if (in_flight_ > 0) {
-    --in_flight_;
-    return;
-  }
   if (same_place(T_odom_lidar)) return;
   ++scans_;
   measure(scan, T_odom_lidar);
@@ -157,6 +159,7 @@ void RingCalibrator::add(const Cloud& scan, const Pose& T_odom_lidar) {
   if (++since_solved_ < scans_a_solution) return;
   since_solved_ = 0;
   solve();
+  if (scans_ >= most_scans) decided_ = true;
 }
 
 void RingCalibrator::insert(const Vector3& p, const Vector3& sensor) {
@@ -364,15 +367,33 @@ void RingCalibrator::solve() {
   calibration->vertical_share = vertical_share_;
   calibration->vertical_sigma = vertical_sigma_;
   calibration->vertical_applied = vertical_settled_ && prior_mean_[2 * rings_] > 0.5;
-  if (params_.mode != "auto") return;
-  for (int ring = 0; ring < rings_; ++ring) {
-    const BeamCalibration& beam = calibration->beams[static_cast<std::size_t>(ring)];
-    applied_[ring] = beam.range_applied ? beam.range_offset : 0.0;
-    applied_[rings_ + ring] = beam.elevation_applied ? beam.elevation_offset : 0.0;
+  if (!decided_) decide(errs);
+}
+
+// Once: what was mapped before is mapped again with it, and from then on map and scans agree. Offsets that followed each new estimate would have them
+// disagree again. Elevations stay: from one height above the floor they can't be told from the vertical offsets of the lasers.
+void RingCalibrator::decide(bool errs) {
+  const auto& beams = calibration_->beams;
+  const auto known = [&](std::size_t ring) { return !counts_[ring] || beams[ring].range_sigma < params_.range_sigma; };
+  bool all = true;
+  for (std::size_t ring = 0; ring < beams.size(); ++ring) all = all && known(ring);
+  if (scans_ < least_scans || (errs && !all && scans_ < most_scans)) return;
+  decided_ = true;
+  if (!errs) return;
+  auto next = std::make_shared<RingCalibration>(*taken_out_);  // which takes nothing out yet
+  for (std::size_t ring = 0; ring < beams.size(); ++ring) {
+    next->beams[ring].range_offset = beams[ring].range_offset;
+    next->beams[ring].range_applied = beams[ring].range_applied;
   }
-  applied_[2 * rings_] = calibration->vertical_applied ? 1.0 : 0.0;
-  taken_out_ = calibration;
-  in_flight_ = scans_in_flight;
+  if (next->corrects()) next_ = next;
+}
+
+void RingCalibrator::begin_to_take_out() {
+  for (std::size_t ring = 0; ring < next_->beams.size(); ++ring) {
+    const BeamCalibration& beam = next_->beams[ring];
+    applied_[static_cast<Eigen::Index>(ring)] = beam.range_applied ? beam.range_offset : 0.0;
+  }
+  added_ = taken_out_ = std::move(next_);
 }
 
 // The offsets are lacking or they aren't: what the data says three times in a row is taken for true.

@@ -64,6 +64,13 @@ WindowScan ScanWindow::pop() {
   return scan;
 }
 
+void ScanWindow::correct(const RingCalibration& added) {
+  for (WindowScan& scan : scans_) {
+    scan.cloud = added.corrected(scan.cloud);
+    added.correct(scan.keypoints);
+  }
+}
+
 void ScanWindow::start_from(const RigidAlignmentResult& alignment, double from) {
   scans_.back().observable = alignment.held;
   VelocityPrior widened = prior();

@@ -31,7 +31,12 @@ bool RingCalibration::corrects() const {
 CloudPtr RingCalibration::corrected(const CloudPtr& cloud) const {
   if (!corrects()) return cloud;
   auto result = std::make_shared<Cloud>(*cloud);
-  for (Point& p : result->points) {
+  correct(result->points);
+  return result;
+}
+
+void RingCalibration::correct(std::vector<Point>& points) const {
+  for (Point& p : points) {
     if (p.ring >= beams.size()) continue;
     const BeamCalibration& beam = beams[p.ring];
     const double x = p.x, y = p.y, z = p.z;
@@ -47,7 +52,6 @@ CloudPtr RingCalibration::corrected(const CloudPtr& cloud) const {
     p.y = static_cast<float>(y * out);
     p.z = static_cast<float>(up + raised);
   }
-  return result;
 }
 
 std::string RingCalibration::text() const {

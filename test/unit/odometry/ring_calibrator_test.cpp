@@ -154,6 +154,34 @@ TEST(RingCalibrator, NothingIsTakenOutBeforeTheDataHoldsIt) {
   EXPECT_FALSE(walked(unit_of(1, 0), 100, off)->corrects());
 }
 
+// What is taken out is decided once: map and scans agree only as long as it stays what it is.
+TEST(RingCalibrator, DecidesOnceWhatItTakesOut) {
+  RingCalibrator calibrator(estimating());
+  RandomStream random(3, 1);
+  const Unit unit = unit_of(1, 0);
+  int changes = 0;
+  std::shared_ptr<const RingCalibration> added;
+  for (int step = 0; step < 200; ++step) {
+    Pose pose;
+    pose.translation = {1 + 0.05 * step, 2.7 + 1.6 * std::sin(0.1 * step), 0.9};
+    const auto raw = std::make_shared<Cloud>(scan_of(unit, pose, random));
+    const bool decided = calibrator.decided();
+    calibrator.recognise(*raw);
+    if (calibrator.added()) {
+      EXPECT_TRUE(decided);
+      added = calibrator.added();
+      ++changes;
+    }
+    EXPECT_EQ(calibrator.taken_out()->corrects(), changes > 0);
+    calibrator.add(*calibrator.taken_out()->corrected(raw), pose);
+  }
+  EXPECT_TRUE(calibrator.decided());
+  ASSERT_EQ(changes, 1);
+  EXPECT_LT(range_error(*added, unit), 0.002);  // the scans of before lack all of it
+  EXPECT_LT(range_error(*calibrator.taken_out(), unit), 0.002);
+  EXPECT_LT(range_error(*calibrator.calibration(), unit), 0.001) << "with 200 scans it is known better than with the first";
+}
+
 TEST(RingCalibrator, EstimatesWithoutTakingOut) {
   CalibrationParams params;
   params.mode = "estimate";

@@ -25,6 +25,8 @@ class LidarOdometry : public MotionSource {
     ride_height_.add(sample);
   }
   void observe_residuals(ResidualSink sink) override { residual_sink_ = std::move(sink); }
+  void remember_scans(bool remember) override { local_.remember_scans(remember); }
+  void correct(const RingCalibration& added) override;
   MotionOutput process(const CloudPtr& scan) override;
   std::vector<FinalScan> finish() override;
 

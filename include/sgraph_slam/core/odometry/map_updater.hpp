@@ -5,6 +5,7 @@
 #include "sgraph_slam/core/odometry/params.hpp"
 #include "sgraph_slam/core/registration/level_planes.hpp"
 #include "sgraph_slam/core/registration/surface_map.hpp"
+#include "sgraph_slam/core/sensor/ring_calibration.hpp"
 #include "sgraph_slam/core/types/cloud.hpp"
 #include "sgraph_slam/core/types/pose.hpp"
 
@@ -18,6 +19,10 @@ class MapUpdater {
   /// Puts a deskewed scan's points into the map: one in a voxel of `map_leaf`, each with the normal that its scan shows.
   void insert(const Cloud& deskewed, const Pose& T_odom_lidar, Placing placing);
   void clear();
+  /// Whether scans are kept from now on, for `correct`; no longer forgets them.
+  void remember_scans(bool remember);
+  /// Builds the map again, from the scans that are kept, without the errors of the beams.
+  void correct(const RingCalibration& added);
   /// Looks for the vertical while it isn't known.
   void find_vertical();
 
@@ -31,6 +36,17 @@ class MapUpdater {
   [[nodiscard]] Eigen::Vector3d up() const { return vertical_.value_or(Eigen::Vector3d::UnitZ()); }
 
  private:
+  // What of a scan enters the map.
+  struct Taken {
+    std::vector<Point> points;  // LiDAR frame
+    std::vector<std::optional<Eigen::Vector3f>> normals;
+    Pose T_odom_lidar;
+    Placing placing;
+  };
+  [[nodiscard]] Taken taken_from(const Cloud& deskewed, const Pose& T_odom_lidar, Placing placing) const;
+  void insert(const Taken& scan);
+  [[nodiscard]] bool shows_more(const Pose& T_odom_lidar) const;
+
   SurfaceMapParams params_;
   double leaf_;
   SurfaceMap map_;
@@ -39,6 +55,8 @@ class MapUpdater {
   int inserted_ = 0;             // scans
   std::size_t looked_at_ = 0;    // voxels of the map when planes were last looked for,
   std::size_t looked_from_ = 0;  // and the time before
+  bool remembers_ = false;
+  std::vector<Taken> kept_;
 };
 
 }  // namespace sgraph

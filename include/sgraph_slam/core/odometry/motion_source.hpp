@@ -5,6 +5,7 @@
 #include "sgraph_slam/core/odometry/keyframe_selector.hpp"
 #include "sgraph_slam/core/odometry/odometry.hpp"
 #include "sgraph_slam/core/odometry/surface_residual.hpp"
+#include "sgraph_slam/core/sensor/ring_calibration.hpp"
 
 namespace sgraph {
 
@@ -25,6 +26,10 @@ class MotionSource {
   virtual MotionOutput process(const CloudPtr& scan) = 0;
   /// From now on; a source that registers nothing never calls it.
   virtual void observe_residuals(ResidualSink) {}  // NOLINT(performance-unnecessary-value-param): kept by those that override it
+  /// Scans are remembered from now on, so that `correct` reaches them too; or, as at the beginning, they aren't.
+  virtual void remember_scans(bool /*remember*/) {}
+  /// The scans that have come still have what this takes out.
+  virtual void correct(const RingCalibration& /*added*/) {}
   /// The scans that are not final yet.
   virtual std::vector<FinalScan> finish() = 0;
 };

@@ -17,16 +17,16 @@
 namespace sgraph {
 
 struct CalibrationParams {
-  std::string mode = "estimate";
+  std::string mode = "auto";
   std::string file;
-  double range_sigma = 0.001;
+  double range_sigma = 0.0015;
   double elevation_sigma = 0.025;
 
   void describe(ParamVisitor& v) {
-    v.choice("mode", mode, {"estimate", "auto", "fixed", "off"},
-             "Errors of the LiDAR's beams: estimate reports and saves them and takes out what `file` holds; auto also takes out what it finds; fixed "
-             "only takes "
-             "out what `file` holds.");
+    v.choice(
+        "mode", mode, {"estimate", "auto", "fixed", "off"},
+        "Errors of the LiDAR's beams: estimate reports and saves them and takes out what `file` holds; auto also takes out the range offsets that it "
+        "finds; fixed only takes out what `file` holds.");
     v.field("file", file, "Calibration of an earlier run to begin with; empty: none.");
     v.field("range_sigma", range_sigma, "m", {1e-5, 0.1}, "A beam's range offset is taken out when it is known better than this.");
     v.field("elevation_sigma", elevation_sigma, "deg", {1e-4, 1}, "... and its elevation offset when that is known better than this.");
@@ -42,8 +42,13 @@ class RingCalibrator {
   /// Throws std::runtime_error when the file can't be read.
   explicit RingCalibrator(const CalibrationParams& params);
 
-  /// Shows a scan as the sensor saw it, in its own frame: beams are learnt from the first ones.
+  /// Shows a scan as the sensor saw it, in its own frame: beams are learnt from the first ones. What was found since the last scan is taken out from
+  /// this one on.
   void recognise(const Cloud& raw);
+  /// What `recognise` has just begun to take out; null when nothing has changed. Scans of before have it still.
+  [[nodiscard]] std::shared_ptr<const RingCalibration> added() const { return added_; }
+  /// Whether it is known what is taken out of this run's scans.
+  [[nodiscard]] bool decided() const { return decided_; }
   /// Takes a scan whose pose is final, motion taken out, corrected by `taken_out()` as it was when the scan came.
   void add(const Cloud& scan, const Pose& T_odom_lidar);
 
@@ -98,6 +103,8 @@ class RingCalibrator {
   [[nodiscard]] bool near_edge(const Vector3& p, int own) const;
   void take_sums(int plane, const ScanSums& sums);
   void solve();
+  void decide(bool errs);
+  void begin_to_take_out();
   void settle_vertical(double share, double sigma);
   [[nodiscard]] Eigen::Index unknowns() const { return 2 * rings_ + 1; }
 
@@ -107,6 +114,9 @@ class RingCalibrator {
   std::vector<bool> counts_;  // rings that have points
   std::shared_ptr<const RingCalibration> calibration_ = std::make_shared<const RingCalibration>();
   std::shared_ptr<const RingCalibration> taken_out_ = calibration_;
+  std::shared_ptr<const RingCalibration> next_;   // to be taken out from the next scan on; null: as before
+  std::shared_ptr<const RingCalibration> added_;  // see added()
+  bool decided_ = true;
   VoxelIndex index_;
   std::vector<Voxel> voxels_;
   std::vector<Plane> planes_;
@@ -119,7 +129,6 @@ class RingCalibrator {
   int at_place_ = 0;  // scans taken there
   int scans_ = 0;     // taken in all
   int since_solved_ = 0;
-  int in_flight_ = 0;       // scans that may still come with the correction of before
   int vertical_votes_ = 0;  // solutions in a row that say the same of the vertical offsets
   bool vertical_settled_ = false;
   double vertical_share_ = 0, vertical_sigma_ = 0;

@@ -8,6 +8,7 @@
 #include "sgraph_slam/core/odometry/window_scan.hpp"
 #include "sgraph_slam/core/odometry/window_solver.hpp"
 #include "sgraph_slam/core/registration/rigid_alignment.hpp"
+#include "sgraph_slam/core/sensor/ring_calibration.hpp"
 
 namespace sgraph {
 
@@ -37,6 +38,9 @@ class ScanWindow {
   [[nodiscard]] std::size_t size() const { return scans_.size(); }
   /// Takes the oldest scan out and holds the knots up to its end from now on; those that nobody needs any more go.
   WindowScan pop();
+
+  /// Takes out of the scans what the beams' errors made of them.
+  void correct(const RingCalibration& added);
 
   /// The newest scan's knots (those later than `from`) start from its rigid alignment; the prior gives way by as much as that moved.
   void start_from(const RigidAlignmentResult& alignment, double from);

@@ -30,6 +30,8 @@ struct RingCalibration {
   [[nodiscard]] bool corrects() const;
   /// The cloud with what is applied taken out; the same cloud where nothing is. Only of a cloud whose points are as the sensor saw them.
   [[nodiscard]] CloudPtr corrected(const CloudPtr& cloud) const;
+  /// The same for points, in place.
+  void correct(std::vector<Point>& points) const;
   /// One line for the log and diagnostics.
   [[nodiscard]] std::string text() const;
 };
