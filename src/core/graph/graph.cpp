@@ -60,6 +60,19 @@ const std::set<FactorId>& Graph::factors_of(const VariableId& id) const {
   return found == factors_of_.end() ? none : found->second;
 }
 
+void Graph::note_edit(FactorId id) {
+  constexpr std::size_t remembered = 4096;
+  ++factors_edited_;
+  edited_.push_back(id);
+  if (edited_.size() > remembered) edited_.pop_front();
+}
+
+std::optional<std::set<FactorId>> Graph::factors_edited_since(std::int64_t count) const {
+  const std::int64_t edits = factors_edited_ - count;
+  if (edits < 0 || edits > static_cast<std::int64_t>(edited_.size())) return std::nullopt;
+  return std::set<FactorId>(edited_.end() - static_cast<std::ptrdiff_t>(edits), edited_.end());
+}
+
 PlaneId Graph::representative(PlaneId id) const {
   for (auto record = merges_.find(id); record != merges_.end(); record = merges_.find(id)) id = record->second.kept;
   return id;

@@ -83,13 +83,13 @@ FactorId GraphEdit::add_factor(const Factor& factor) {
 }
 
 void GraphEdit::insert(FactorId id, const Factor& factor) {
-  if (!graph_.factors_.empty() && id < graph_.factors_.rbegin()->first) ++graph_.factors_edited_;
+  if (!graph_.factors_.empty() && id < graph_.factors_.rbegin()->first) graph_.note_edit(id);
   graph_.factors_.emplace(id, factor);
   for (const VariableId& variable : blocks(factor.data)) graph_.factors_of_[variable].insert(id);
 }
 
 Factor GraphEdit::take_out(FactorId id) {
-  ++graph_.factors_edited_;
+  graph_.note_edit(id);
   auto node = graph_.factors_.extract(id);
   for (const VariableId& variable : blocks(node.mapped().data)) {
     const auto of_variable = graph_.factors_of_.find(variable);

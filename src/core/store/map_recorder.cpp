@@ -120,14 +120,45 @@ void MapRecorder::note_planes(const MapView& view, StoreBatch& batch) {
 }
 
 void MapRecorder::note_factors(const MapView& view, StoreBatch& batch) {
-  // Mostly factors have only been added since the last time: those beyond the ones known.
+  // Mostly factors have only been added since the last time, those beyond the ones known, and few of the others have been edited.
   const std::map<FactorId, Factor>& now = view.graph.factors();
-  const bool edited = view.graph.factors_edited() != factors_edited_;
+  const std::optional<std::set<FactorId>> edited = view.graph.factors_edited_since(factors_edited_);
   factors_edited_ = view.graph.factors_edited();
-  // Both are in order: what is known goes along with what there is.
-  auto kept = edited ? factors_.begin() : factors_.end();
-  for (auto it = edited || factors_.empty() ? now.begin() : now.upper_bound(factors_.rbegin()->first); it != now.end(); ++it) {
-    const auto& [id, factor] = *it;
+  if (!edited) {
+    compare_factors(now, batch);
+  } else {
+    const FactorId last = factors_.empty() ? FactorId{} : factors_.rbegin()->first;
+    for (const FactorId id : *edited) {
+      if (!factors_.empty() && last < id) break;  // it is new
+      const auto factor = now.find(id);
+      const auto known = factors_.find(id);
+      if (factor == now.end()) {
+        if (known == factors_.end()) continue;
+        batch.removed_factors.push_back(id);
+        factors_.erase(known);
+      } else if (known == factors_.end() || !(known->second == factor->second)) {
+        batch.factors[id] = factors_[id] = factor->second;
+      }
+    }
+    for (auto it = last.valid() ? now.upper_bound(last) : now.begin(); it != now.end(); ++it) {
+      factors_.emplace_hint(factors_.end(), it->first, it->second);
+      batch.factors[it->first] = it->second;
+    }
+  }
+  for (const FactorId id : batch.removed_factors) viewed_.erase(id.value);
+  for (const auto& [id, record] : view.graph.merges()) {
+    const auto [known, is_new] = merges_.try_emplace(id, record);
+    if (!is_new && same(known->second, record)) continue;
+    known->second = record;
+    batch.merges[id] = record;
+  }
+  batch.removed_merges = gone(merges_, view.graph.merges());
+}
+
+// All of them, with what is known. Both are in order: what is known goes along with what there is.
+void MapRecorder::compare_factors(const std::map<FactorId, Factor>& now, StoreBatch& batch) {
+  auto kept = factors_.begin();
+  for (const auto& [id, factor] : now) {
     while (kept != factors_.end() && kept->first < id) {
       batch.removed_factors.push_back(kept->first);
       kept = factors_.erase(kept);
@@ -141,14 +172,6 @@ void MapRecorder::note_factors(const MapView& view, StoreBatch& batch) {
     ++kept;
   }
   for (; kept != factors_.end(); kept = factors_.erase(kept)) batch.removed_factors.push_back(kept->first);
-  for (const FactorId id : batch.removed_factors) viewed_.erase(id.value);
-  for (const auto& [id, record] : view.graph.merges()) {
-    const auto [known, is_new] = merges_.try_emplace(id, record);
-    if (!is_new && same(known->second, record)) continue;
-    known->second = record;
-    batch.merges[id] = record;
-  }
-  batch.removed_merges = gone(merges_, view.graph.merges());
 }
 
 void MapRecorder::note_documents(const MapView& view, bool whole, StoreBatch& batch) {

@@ -73,6 +73,23 @@ Transaction fine_edit() {
   return t;
 }
 
+TEST(Graph, DoesNotKnowEditsOfLongAgo) {
+  Graph graph = building(1);
+  const std::int64_t long_ago = graph.factors_edited();
+  EXPECT_TRUE(graph.factors_edited_since(long_ago)->empty());
+  EXPECT_FALSE(graph.factors_edited_since(-1).has_value());
+  EXPECT_FALSE(graph.factors_edited_since(long_ago + 1).has_value());
+  const Factor kept = graph.factors().begin()->second;
+  while (graph.factors_edited() < long_ago + 5000) {
+    Transaction t;
+    t.remove_factors = {graph.factors().rbegin()->first};
+    t.factors = {kept};
+    ASSERT_TRUE(graph.apply(t).ok());
+  }
+  EXPECT_FALSE(graph.factors_edited_since(long_ago).has_value());
+  EXPECT_EQ(graph.factors_edited_since(graph.factors_edited() - 1)->size(), 1u);
+}
+
 TEST(Transaction, RefusesUnknownAndUsedIds) {
   EXPECT_TRUE(building(2).apply(fine_edit()).ok());
   Transaction t = fine_edit();
@@ -320,6 +337,21 @@ Transaction random_edit(Graph& graph, Draw& draw) {
   return t;
 }
 
+// What one edit has changed of the factors known before it, against what the graph says of it.
+void expect_edits_known(const Graph& before, const Graph& after) {
+  const auto edited = after.factors_edited_since(before.factors_edited());
+  ASSERT_TRUE(edited.has_value());
+  for (const auto& [id, factor] : before.factors()) {
+    const Factor* now = after.find(id);
+    const bool changed = now == nullptr || !(*now == factor);
+    ASSERT_TRUE(!changed || edited->count(id) == 1) << id.value;
+  }
+  for (const auto& [id, factor] : after.factors()) {
+    const bool is_between = !before.factors().empty() && id < before.factors().rbegin()->first;
+    ASSERT_TRUE(!is_between || before.find(id) != nullptr || edited->count(id) == 1) << id.value;
+  }
+}
+
 TEST(Transaction, AnySequenceLeavesAGraphThatIsSoundAndReadsBack) {
   int merged = 0;
   int undone = 0;
@@ -341,6 +373,7 @@ TEST(Transaction, AnySequenceLeavesAGraphThatIsSoundAndReadsBack) {
       undone += static_cast<int>(t.undo_merges.size());
       removed += static_cast<int>(t.remove_variables.size());
       ASSERT_NO_FATAL_FAILURE(expect_sound(graph)) << "seed " << seed << ", step " << step;
+      ASSERT_NO_FATAL_FAILURE(expect_edits_known(before, graph)) << "seed " << seed << ", step " << step;
       ASSERT_NO_THROW(ASSERT_TRUE(graph_from_json(to_json(graph)) == graph)) << "seed " << seed << ", step " << step;
     }
     while (!graph.merges().empty()) {

@@ -1,6 +1,8 @@
 #pragma once
 
+#include <deque>
 #include <map>
+#include <optional>
 #include <set>
 
 #include "sgraph_slam/core/graph/factor.hpp"
@@ -63,6 +65,8 @@ class Graph {
   [[nodiscard]] std::int64_t keyframes_moved() const { return keyframes_moved_; }
   /// How often factors have been taken away, re-pointed or put back: while this stays, all that is new has ids beyond those known.
   [[nodiscard]] std::int64_t factors_edited() const { return factors_edited_; }
+  /// Which these were since there had been so many of them: also ids of factors that are no more. Nothing when that is too long ago to be known.
+  [[nodiscard]] std::optional<std::set<FactorId>> factors_edited_since(std::int64_t count) const;
 
   /// Variables, factors and records; not how they came about.
   friend bool operator==(const Graph& a, const Graph& b);
@@ -70,6 +74,8 @@ class Graph {
  private:
   friend class GraphEdit;
   friend struct GraphReader;
+
+  void note_edit(FactorId id);
 
   std::map<KeyframeId, Pose> keyframes_;
   std::map<PlaneId, Plane> planes_;
@@ -85,6 +91,7 @@ class Graph {
   std::int64_t views_withdrawn_ = 0;
   std::int64_t keyframes_moved_ = 0;
   std::int64_t factors_edited_ = 0;
+  std::deque<FactorId> edited_;  // the latest of these edits, in order
 };
 
 }  // namespace sgraph

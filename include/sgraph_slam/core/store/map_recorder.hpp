@@ -24,6 +24,7 @@ class MapRecorder : public MapObserver {
   void note_poses(const MapView& view, StoreBatch& batch);
   void note_planes(const MapView& view, StoreBatch& batch);
   void note_factors(const MapView& view, StoreBatch& batch);
+  void compare_factors(const std::map<FactorId, Factor>& now, StoreBatch& batch);
   void note_documents(const MapView& view, bool whole, StoreBatch& batch);
 
   MapStore& store_;
