@@ -26,6 +26,7 @@ namespace {
 
 constexpr int returns_apart = 5;  // keyframes between two global solves because a place was seen again,
 constexpr int returns_share = 2;  // or this part of what is due anyway: in halls something is always seen again
+constexpr int marked_ahead = 2;   // keyframes whose rays are marked with each new one: twice as many as come
 
 DominantFrameParams frame_params() { return {}; }
 
@@ -66,9 +67,11 @@ void MapBuilder::optimize() {
   state_.optimized = true;
   summary_ = {};
   solve_global(state_.params.solving.final_iterations, true);
+  merge_until_none(true);
   if (state_.params.topological_layer) {
     update_places(false);
-    solve_global(state_.params.solving.final_iterations);
+    solve_global(state_.params.solving.final_iterations, false);
+    merge_until_none(false);
     update_places(true);
   }
   find_covariances();
@@ -124,6 +127,7 @@ void MapBuilder::map_planes(const Keyframe& keyframe, const KeyframeCloud& cloud
     const int storey = state_.planes.storey_of(keyframe.id);
     const CloudPtr points = storey == stairwell ? nullptr : cloud.get();
     if (points) state_.layer.add(keyframe.id, *points, state_.planes.T_base_lidar, storey);
+    mark_ahead(storey);
     visit(keyframe.id);
     add_widths(committer_, state_.layer, segments, seen.planes, state_.params.topology);
   }
@@ -132,9 +136,12 @@ void MapBuilder::map_planes(const Keyframe& keyframe, const KeyframeCloud& cloud
       close_loop(committer_, state_.loops, state_.keyframes, state_.planes.drift, state_.planes.marginals) ||
       close_loop_by_appearance(committer_, state_.loops, state_.keyframes, state_.planes.map, state_.planes.drift, state_.planes.marginals);
   clock_.book("loops");
-  // One of the two at a time: no keyframe waits for both.
-  if (looped || wants_global(seen)) {
-    solve_global(state_.params.solving.iterations);
+  // One of the three at a time: no keyframe waits for two of them.
+  if (state_.merging_due && !looped) {
+    merge_planes();
+  } else if (looped || wants_global(seen)) {
+    solve_global(state_.params.solving.iterations, false);
+    state_.merging_due = true;
     if (state_.params.topological_layer && !state_.layer.is_bounded_by(state_.graph)) update_places(false);
   } else if (wants_places()) {
     update_places(false);
@@ -169,6 +176,7 @@ void MapBuilder::recognise_storey() {
   if (!ride.storey) return;
   update_storeys();
   solve_global(state_.params.solving.iterations, true);
+  merge_until_none(true);
 }
 
 // Which storey each keyframe and each plane is on; that of the newest keyframes may change while it shows where they lead.
@@ -235,8 +243,8 @@ std::set<int> MapBuilder::storeys_by_lift() const {
   return storeys;
 }
 
-void MapBuilder::solve_global(int iterations, bool all_pairs) {
-  drop_passing_planes(committer_, state_.planes, all_pairs);
+void MapBuilder::solve_global(int iterations, bool all_ghosts) {
+  drop_passing_planes(committer_, state_.planes, all_ghosts);
   if (state_.params.factors.storey_factors) {
     level_floors(committer_, state_.planes.map, storeys_by_lift());
     lift_floors(committer_, state_);
@@ -248,12 +256,27 @@ void MapBuilder::solve_global(int iterations, bool all_pairs) {
   note(solve(state_.graph, options));
   clock_.book("solve");
   state_.since_global = 0;
+  state_.solved = committer_.newest();
   retire_known();
   clock_.book("retire");
   state_.planes.marginals.forget();
   state_.planes.map.refresh(state_.graph, state_.planes.frame);
   update_frame();
   clock_.book("extents");
+}
+
+// Planes that turn out to be one now that the whole graph has been solved. It was with the keyframe before, so that no keyframe waits for both.
+void MapBuilder::merge_planes() {
+  state_.merging_due = false;
+  std::set<PlanePair> shown;
+  shown.swap(state_.pending_merges);
+  merge_once(committer_, state_.planes, shown, state_.params.solving.iterations);
+  clock_.book("merge");
+}
+
+// The same where nobody waits for a keyframe: the whole graph is solved with them. `all_pairs`: those too that were found apart lately.
+void MapBuilder::merge_until_none(bool all_pairs) {
+  state_.merging_due = false;
   std::set<PlanePair> shown;
   shown.swap(state_.pending_merges);
   merge_duplicates(committer_, state_.planes, shown, all_pairs, state_.params.solving.iterations);
@@ -284,6 +307,15 @@ void MapBuilder::update_frame() {
     return;
   }
   state_.planes.frame = estimate_dominant_frame(wall_directions(state_.planes.map), state_.planes.frame, frame_params());
+}
+
+// The rays of keyframes that have been solved with the whole graph: they will hardly move any more.
+void MapBuilder::mark_ahead(int storey) {
+  const auto settled = [&](KeyframeId id) -> const Pose* {
+    if (!state_.solved.valid() || state_.solved < id || state_.planes.storey_of(id) != storey) return nullptr;
+    return state_.graph.find(id);
+  };
+  if (storey != stairwell) state_.layer.mark_ahead(storey, settled, marked_ahead);
 }
 
 // Planes that the place around the robot shows to be one wall, if they haven't been found apart lately.

@@ -53,7 +53,10 @@ class MapBuilder {
   [[nodiscard]] bool wants_places() const;
   void note(const SolveSummary& summary);
   void solve_window();
-  void solve_global(int iterations, bool all_pairs = false);
+  void solve_global(int iterations, bool all_ghosts);
+  void mark_ahead(int storey);
+  void merge_planes();
+  void merge_until_none(bool all_pairs);
   [[nodiscard]] std::set<int> storeys_by_lift() const;
   void retire_known();
   [[nodiscard]] std::vector<Wall> counted_walls(int storey) const;

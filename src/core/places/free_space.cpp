@@ -228,12 +228,32 @@ void FreeSpace::count(const Sweep& sweep, int sign) {
   }
 }
 
+// Of a copy, which has none yet.
+void FreeSpace::make_raster() {
+  if (size_to_make_.x() == 0) return;
+  lay_out(first_, std::exchange(size_to_make_, Eigen::Vector2i::Zero()));
+  for (const auto& [id, mark] : marks_) this->mark(*rays_.at(id), mark, 1);
+}
+
+void FreeSpace::mark_ahead(const std::function<const Pose*(KeyframeId)>& pose_of, int most) {
+  make_raster();
+  if (width_ == 0) return;
+  std::vector<KeyframeId> chosen;
+  for (const auto& [id, rays] : rays_) {
+    if (static_cast<int>(chosen.size()) == most) break;
+    if (marks_.count(id) == 0 && pose_of(id) != nullptr) chosen.push_back(id);
+  }
+  for (const KeyframeId id : chosen) {
+    const Mark mark{*pose_of(id), floor_z_};
+    this->mark(*rays_.at(id), mark, 1);
+    marks_[id] = mark;
+    thin_spot(id);
+  }
+}
+
 void FreeSpace::update(const std::map<KeyframeId, Pose>& T_map_base, double floor_z) {
   floor_z_ = floor_z;
-  if (size_to_make_.x() > 0) {
-    lay_out(first_, std::exchange(size_to_make_, Eigen::Vector2i::Zero()));
-    for (const auto& [id, mark] : marks_) this->mark(*rays_.at(id), mark, 1);
-  }
+  make_raster();
   const double moved = 0.5 * params_.resolution;
   const double turned = moved / 5;  // half a cell at five metres
   std::vector<KeyframeId> fresh;

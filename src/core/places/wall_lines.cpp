@@ -216,7 +216,28 @@ void close_panes(const WallLine& line, const FreeSpace& space, Profile& profile)
   }
 }
 
-Profile profile_of(const WallLine& line, const FreeSpace& space, const std::vector<Eigen::Vector2d>& path, const PlaceParams& params) {
+// A stretch of the path: its steps end at the points [begin, end).
+struct PathPart {
+  std::size_t begin, end;
+  Eigen::Vector2d center;
+  double radius;  // of the circle around its points
+};
+
+// So that most of the path needs no look at its points to know that it doesn't cross a line.
+std::vector<PathPart> parts_of(const std::vector<Eigen::Vector2d>& path) {
+  constexpr std::size_t length = 32;  // steps
+  std::vector<PathPart> parts;
+  for (std::size_t begin = 1; begin < path.size(); begin += length) {
+    PathPart part{begin, std::min(begin + length, path.size()), path[begin - 1], 0};
+    part.center = path[(begin + part.end) / 2 - 1];
+    for (std::size_t i = begin - 1; i < part.end; ++i) part.radius = std::max(part.radius, (path[i] - part.center).norm());
+    parts.push_back(part);
+  }
+  return parts;
+}
+
+Profile profile_of(const WallLine& line, const FreeSpace& space, const std::vector<Eigen::Vector2d>& path, const std::vector<PathPart>& parts,
+                   const PlaceParams& params) {
   const Interval whole = hull(line.support);
   Profile profile;
   profile.range = {whole.low - beyond, whole.high + beyond};
@@ -225,14 +246,18 @@ Profile profile_of(const WallLine& line, const FreeSpace& space, const std::vect
   for (std::size_t i = 0; i < bins.size(); ++i) bins[i] = look(space, line, profile.position(i));
   close_panes(line, space, profile);
   // Where the robot has passed there is no wall, whatever stood or stands there.
-  double b = path.empty() ? 0 : line.distance(path[0]);
-  for (std::size_t i = 1; i < path.size(); ++i) {
-    const double a = b;
-    b = line.distance(path[i]);
-    if ((a > 0) == (b > 0)) continue;
-    const double at = line.direction().dot(path[i - 1] + a / (a - b) * (path[i] - path[i - 1]));
-    for (std::size_t k = 0; k < bins.size(); ++k) {
-      if (std::abs(profile.position(k) - at) < params.robot_radius) bins[k] = Bin::open;
+  constexpr double rounding = 1e-6;  // [m]
+  for (const PathPart& part : parts) {
+    if (std::abs(line.distance(part.center)) > part.radius + rounding) continue;
+    double b = line.distance(path[part.begin - 1]);
+    for (std::size_t i = part.begin; i < part.end; ++i) {
+      const double a = b;
+      b = line.distance(path[i]);
+      if ((a > 0) == (b > 0)) continue;
+      const double at = line.direction().dot(path[i - 1] + a / (a - b) * (path[i] - path[i - 1]));
+      for (std::size_t k = 0; k < bins.size(); ++k) {
+        if (std::abs(profile.position(k) - at) < params.robot_radius) bins[k] = Bin::open;
+      }
     }
   }
   // Specks in a gap: a person, a leg of a chair.
@@ -341,9 +366,10 @@ std::vector<WallLine> find_wall_lines(const std::vector<Wall>& walls, const Free
       lines.push_back(std::move(fresh));
     }
   }
+  const std::vector<PathPart> parts = parts_of(path);
   std::vector<Profile> profiles;
   for (WallLine& line : lines) {
-    profiles.push_back(profile_of(line, space, path, params));
+    profiles.push_back(profile_of(line, space, path, parts, params));
     correct_support(line, profiles.back());
   }
   std::vector<WallLine> bounding;

@@ -50,7 +50,7 @@ std::vector<Merged> merge_step(Committer& committer, PlaneLayer& planes, const s
     const double gate = params.chi_square * (shown.count(pair) > 0 ? shown_gain : 1);
     if (chi_square && *chi_square < gate) {
       within.emplace_back(*chi_square, pair);
-    } else {
+    } else if (chi_square) {  // what association asked for doesn't know the newest keyframe's own planes: they can wait
       planes.tested_merges[pair] = committer.newest();
     }
   }
@@ -72,12 +72,18 @@ std::vector<Merged> merge_step(Committer& committer, PlaneLayer& planes, const s
   return done;
 }
 
+// Whether the views of a merged plane fit worse than they did.
+bool is_misfit(const Graph& graph, const Merged& merge, const MergeParams& params, double* after) {
+  *after = mean_observation_error(graph, {merge.pair.first});
+  return *after > params.max_error && *after > params.max_growth * merge.error_before;
+}
+
 // Undoes the merges whose planes' views fit worse than they did; true when there were any.
 bool undo_misfits(Committer& committer, PlaneLayer& planes, std::vector<Merged>& done) {
   bool any = false;
   for (auto merge = done.begin(); merge != done.end();) {
-    const double after = mean_observation_error(committer.graph, {merge->pair.first});
-    if (after <= planes.params.merging.max_error || after <= planes.params.merging.max_growth * merge->error_before) {
+    double after = 0;
+    if (!is_misfit(committer.graph, *merge, planes.params.merging, &after)) {
       ++merge;
       continue;
     }
@@ -96,20 +102,25 @@ bool undo_misfits(Committer& committer, PlaneLayer& planes, std::vector<Merged>&
   return any;
 }
 
+std::set<PlanePair> pairs_to_try(const Committer& committer, const PlaneLayer& planes, const std::set<PlanePair>& shown, bool all) {
+  std::set<PlanePair> candidates;
+  for (const PlanePair& pair : merge_candidates(committer.graph, planes.map, planes.params.merging, planes.params.association.extent_margin)) {
+    if (all || !planes.found_apart_lately(pair, committer.newest())) candidates.insert(pair);
+  }
+  for (const PlanePair& pair : shown) {
+    if (committer.graph.find(pair.first) && committer.graph.find(pair.second)) candidates.insert(pair);
+  }
+  for (const PlanePair& pair : planes.refused_merges) candidates.erase(pair);
+  return candidates;
+}
+
 }  // namespace
 
 int merge_duplicates(Committer& committer, PlaneLayer& planes, const std::set<PlanePair>& shown_by_places, bool all, int iterations) {
   if (!planes.params.merging.enabled) return 0;
   int count = 0;
   for (int round = 0; round < 3; ++round) {
-    std::set<PlanePair> candidates;
-    for (const PlanePair& pair : merge_candidates(committer.graph, planes.map, planes.params.merging, planes.params.association.extent_margin)) {
-      if (!planes.found_apart_lately(pair, committer.newest()) || (all && round == 0)) candidates.insert(pair);
-    }
-    for (const PlanePair& pair : shown_by_places) {
-      if (committer.graph.find(pair.first) && committer.graph.find(pair.second)) candidates.insert(pair);
-    }
-    for (const PlanePair& pair : planes.refused_merges) candidates.erase(pair);
+    const std::set<PlanePair> candidates = pairs_to_try(committer, planes, shown_by_places, all && round == 0);
     if (candidates.empty()) break;
     std::vector<Merged> done = merge_step(committer, planes, candidates, shown_by_places);
     if (done.empty()) break;
@@ -122,6 +133,28 @@ int merge_duplicates(Committer& committer, PlaneLayer& planes, const std::set<Pl
     count += static_cast<int>(done.size());
   }
   return count;
+}
+
+int merge_once(Committer& committer, PlaneLayer& planes, const std::set<PlanePair>& shown_by_places, int iterations) {
+  if (!planes.params.merging.enabled) return 0;
+  const std::set<PlanePair> candidates = pairs_to_try(committer, planes, shown_by_places, false);
+  std::vector<Merged> done = merge_step(committer, planes, candidates, shown_by_places);
+  if (done.empty()) return 0;
+  SolverOptions options;
+  options.max_iterations = iterations;
+  SolveScope merged;
+  merged.free.emplace();
+  for (const Merged& merge : done) merged.free->insert(merge.pair.first);
+  solve(committer.graph, options, merged);
+  double after = 0;
+  const auto misfits = [&](const Merged& merge) { return is_misfit(committer.graph, merge, planes.params.merging, &after); };
+  if (std::any_of(done.begin(), done.end(), misfits)) {
+    solve(committer.graph, options);
+    if (undo_misfits(committer, planes, done)) solve(committer.graph, options);
+    planes.marginals.forget();
+  }
+  planes.map.refresh(committer.graph, planes.frame);
+  return static_cast<int>(done.size());
 }
 
 }  // namespace sgraph

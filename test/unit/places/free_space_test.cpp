@@ -1,5 +1,7 @@
 #include "sgraph_slam/core/places/free_space.hpp"
 
+#include <iterator>
+
 #include <gtest/gtest.h>
 
 #include "scanned_plan.hpp"
@@ -52,6 +54,36 @@ TEST(FreeSpace, ACopyMakesItsRasterAnew) {
     for (int x = 0; x < again.width(); ++x) {
       const Eigen::Vector2d middle = again.origin() + again.resolution() * Eigen::Vector2d(x + 0.5, y + 0.5);
       ASSERT_EQ(again.free_cells().at(x, y), again.at(middle).free());
+    }
+  }
+}
+
+// Marking ahead is the same work at another time, also for a copy that has no raster yet.
+TEST(FreeSpace, MarksAheadWhatIsSettled) {
+  ScannedPlan scanned;
+  scanned.face({{0, 0}, {6, 0}, {6, 4}, {0, 4}});
+  scanned.walk({{1, 1}, {5, 3}});
+  FreeSpace space{FreeSpaceParams{}};
+  for (const auto& [id, cloud] : scanned.clouds) space.add(id, cloud, Pose{});
+  const auto all = [&](KeyframeId id) { return &scanned.poses.at(id); };
+  space.mark_ahead(all, 100);
+  EXPECT_EQ(space.width(), 0);  // nobody knows where the floor is
+  space.update({*scanned.poses.begin()}, 0);
+  const int before = space.at({3, 1.5}).low;
+  const KeyframeId second = std::next(scanned.poses.begin())->first;
+  space.mark_ahead([&](KeyframeId id) { return id == second ? &scanned.poses.at(id) : nullptr; }, 100);
+  EXPECT_EQ(space.at({3, 1.5}).low, before + 1);
+  space.mark_ahead(all, 1);
+  FreeSpace copy = space;
+  for (FreeSpace* each : {&space, &copy}) {
+    each->mark_ahead(all, 1);
+    EXPECT_GT(each->width(), 0);
+    each->update(scanned.poses, 0);
+    for (double x = -1; x < 7; x += 0.05) {
+      for (double y = -1; y < 5; y += 0.05) {
+        ASSERT_EQ(each->at({x, y}).low, scanned.space.at({x, y}).low);
+        ASSERT_EQ(each->at({x, y}).hits, scanned.space.at({x, y}).hits);
+      }
     }
   }
 }

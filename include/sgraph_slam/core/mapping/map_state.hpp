@@ -63,12 +63,13 @@ struct MapState {
   Session session;
 
   std::set<PlanePair> pending_merges;  ///< planes that a place showed to be one, since the last global solve
+  bool merging_due = false;            ///< the whole graph was solved with the last keyframe
   std::set<KeyframeId> retired_with_clouds;
   std::vector<KeyframeId> clouds_let_go;  ///< keyframes whose clouds nobody needs any more, since the map was last shown
-
-  int since_global = 0;    ///< keyframes since the last global solve
-  int since_places = 0;    ///< keyframes since places were last found
-  bool optimized = false;  ///< since the last keyframe
+  KeyframeId solved;                      ///< the newest one when the whole graph was last solved
+  int since_global = 0;                   ///< keyframes since the last global solve
+  int since_places = 0;                   ///< keyframes since places were last found
+  bool optimized = false;                 ///< since the last keyframe
 };
 
 }  // namespace sgraph

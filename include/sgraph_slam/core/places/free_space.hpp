@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <map>
 #include <memory>
 #include <vector>
@@ -30,8 +31,8 @@ struct FreeCell {
 /// The free space of a storey: a raster of its floor on which every keyframe has marked what its rays passed. Each keyframe keeps a thinned subset of
 /// its rays in its own frame, so that its marks can be taken back and set again when its pose moves. One thread.
 ///
-/// A copy has no raster until its next update(), which makes it from the marks, the same to the last bit: states to come back to are copied often and
-/// come back to hardly ever.
+/// A copy has no raster until it is next given something to mark, which makes it from the marks, the same to the last bit: states to come back to are
+/// copied often and come back to hardly ever.
 class FreeSpace {
  public:
   explicit FreeSpace(const FreeSpaceParams& params) : params_(params) {}
@@ -48,6 +49,10 @@ class FreeSpace {
   /// keyframes without one are unmarked. Of more than eight keyframes at one spot the oldest is let go, so that what
   /// is kept grows with the area and not with the time. `floor_z`: height of the floor in the map [m].
   void update(const std::map<KeyframeId, Pose>& T_map_base, double floor_z);
+
+  /// Marks some of the keyframes that aren't marked yet, at most so many, the oldest first, so that the next update() has less to do at once. The
+  /// floor is taken to be where it was last; before the first update() nothing is marked. `pose_of`: T_map_base; null for a keyframe that is to wait.
+  void mark_ahead(const std::function<const Pose*(KeyframeId)>& pose_of, int most);
 
   [[nodiscard]] double resolution() const { return params_.resolution; }
   /// Lower left corner of the first cell, map frame.
@@ -80,6 +85,7 @@ class FreeSpace {
   // What the rays of one keyframe passed: a piece of the raster, in scratch memory.
   struct Sweep;
 
+  void make_raster();
   void thin_spot(KeyframeId newest);
   void mark(const Rays& rays, const Mark& at, int sign);
   void trace(const Eigen::Vector3d& from, const Eigen::Vector3d& to, double floor_z, Sweep& sweep) const;

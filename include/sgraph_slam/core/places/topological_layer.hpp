@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <map>
 #include <optional>
 #include <string>
@@ -77,6 +78,9 @@ class TopologicalLayer {
 
   /// Takes the rays of a keyframe's cloud, which was taken on a storey.
   void add(KeyframeId id, const Cloud& cloud, const Pose& T_base_lidar, int storey = 0) { space_of(storey).add(id, cloud, T_base_lidar); }
+
+  /// Marks what a few keyframes of a storey saw on its free space ahead of the next find() (see FreeSpace::mark_ahead).
+  void mark_ahead(int storey, const std::function<const Pose*(KeyframeId)>& pose_of, int most) { space_of(storey).mark_ahead(pose_of, most); }
 
   /// Planes seen lately that lie along the sides of the place around a position, and the planes that these sides have: they may be one wall.
   [[nodiscard]] std::vector<PlanePair> shown_at(const std::vector<Wall>& walls, const Eigen::Vector2d& position, KeyframeId now,
