@@ -18,6 +18,7 @@
 #include "sgraph_slam/core/planes/level_floors.hpp"
 #include "sgraph_slam/core/planes/merge_duplicates.hpp"
 #include "sgraph_slam/core/planes/retire_keyframes.hpp"
+#include "sgraph_slam/core/planes/tie_stairwells.hpp"
 #include "sgraph_slam/core/storeys/find_storeys.hpp"
 #include "storey_heights.hpp"
 
@@ -247,6 +248,7 @@ void MapBuilder::solve_global(int iterations, bool all_ghosts) {
   drop_passing_planes(committer_, state_.planes, all_ghosts);
   if (state_.params.factors.storey_factors) {
     level_floors(committer_, state_.planes.map, storeys_by_lift());
+    tie_stairwells(committer_, state_.planes.map);
     lift_floors(committer_, state_);
     align_storeys(committer_, state_.planes.map, known_heights(state_));
   }

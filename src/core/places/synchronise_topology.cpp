@@ -75,13 +75,14 @@ void synchronise_pairs(const Graph& graph, PairSet wanted, const TopologyParams&
   }
 }
 
-// Pairs whose parallel factors no place asks for: the faces of one wall, where they belong to the thickness, and floors of two storeys.
+// Pairs whose parallel factors no place asks for: the faces of one wall, where they belong to the thickness, and floors and ceilings
+// of two storeys, or of a storey and the stairs.
 std::set<PlanePair> other_parallels(const Graph& graph) {
   std::set<PlanePair> pairs;
   for (const auto& [id, factor] : graph.factors()) {
     if (const auto* wall = std::get_if<WallThickness>(&factor.data)) pairs.insert(ordered(wall->a, wall->b));
     const auto* parallel = std::get_if<ParallelPlanes>(&factor.data);
-    if (parallel != nullptr && graph.find(parallel->a)->normal.z() > floor_normal) pairs.insert(ordered(parallel->a, parallel->b));
+    if (parallel != nullptr && std::abs(graph.find(parallel->a)->normal.z()) > floor_normal) pairs.insert(ordered(parallel->a, parallel->b));
   }
   return pairs;
 }

@@ -10,6 +10,7 @@
 
 #include "sgraph_slam/core/planes/level_floors.hpp"
 #include "sgraph_slam/core/planes/merging.hpp"
+#include "sgraph_slam/core/types/storey.hpp"
 
 namespace sgraph {
 namespace {
@@ -187,7 +188,7 @@ int align_storeys(Committer& committer, const PlaneMap& planes, const std::vecto
     if (walls == nullptr || are_floors_apart(*walls)) continue;
     const PlaneRecord* lower = planes.find(walls->a);
     const PlaneRecord* upper = planes.find(walls->b);
-    if (lower == nullptr || upper == nullptr) continue;
+    if (lower == nullptr || upper == nullptr || lower->storey == stairwell || upper->storey == stairwell) continue;
     if (lower->storey < upper->storey) {
       joined[upper->storey][{walls->a, walls->b}] = id;
     } else {

@@ -20,7 +20,8 @@ bool joined(const Graph& graph, const PlaneMap& planes, int storey) {
     if (pair == nullptr) return false;
     const PlaneRecord* a = planes.find(pair->a);
     const PlaneRecord* b = planes.find(pair->b);
-    return a != nullptr && b != nullptr && a->storey != b->storey && (a->storey == storey || b->storey == storey);
+    if (a == nullptr || b == nullptr || a->storey == stairwell || b->storey == stairwell) return false;
+    return a->storey != b->storey && (a->storey == storey || b->storey == storey);
   });
 }
 
