@@ -11,14 +11,14 @@
 namespace sgraph {
 namespace {
 
-constexpr std::size_t views = 3;        // of either plane
-constexpr double smallest = 2;          // [m^2]: no step, and wide enough to tell a tilt
+constexpr std::size_t known_after = 3;  // of either plane
+constexpr double smallest_level = 2;    // [m^2]: no step, and wide enough to tell a tilt
 constexpr double same_height = 0.08;    // [m] half a step
 constexpr double same_tilt = 0.02;      // [rad] a landing may slope by that for its water
 constexpr double sigma_tilt = 0.001;    // [rad] and
 constexpr double sigma_height = 0.005;  // [m] of one surface, seen at different angles by beams that are off
-constexpr double anyhow = 10;           // [m] holds nothing
-constexpr double let_go = 2.5;          // of sigma
+constexpr double no_hold = 10;          // [m] holds nothing
+constexpr double gives_way = 2.5;       // of sigma
 
 struct Level {
   PlaneId id;
@@ -31,7 +31,7 @@ std::vector<Level> levels_of(const Graph& graph, const PlaneMap& planes, bool of
   for (const auto& [id, record] : planes.records()) {
     const Plane* plane = graph.find(id);
     if (plane == nullptr || (record.storey == stairwell) != of_stairwell || record.plane_class != PlaneClass::horizontal) continue;
-    if (record.keyframes.size() >= views && outline_area(record.outline) >= smallest) levels.push_back({id, plane, &record.outline});
+    if (record.keyframes.size() >= known_after && outline_area(record.outline) >= smallest_level) levels.push_back({id, plane, &record.outline});
   }
   return levels;
 }
@@ -69,8 +69,8 @@ int tie_stairwells(Committer& committer, const PlaneMap& planes) {
     }
     if (nearest == nullptr || tied.count({nearest->id, stairs.id}) > 0) continue;
     const Eigen::Vector3d at = outline_center(*stairs.outline);
-    add_factor(edit, ParallelPlanes{nearest->id, stairs.id, sigma_tilt}, RobustLoss::huber(let_go));
-    add_factor(edit, AlignedWalls{nearest->id, stairs.id, at, at, 0, anyhow, sigma_height}, RobustLoss::huber(let_go));
+    add_factor(edit, ParallelPlanes{nearest->id, stairs.id, sigma_tilt}, RobustLoss::huber(gives_way));
+    add_factor(edit, AlignedWalls{nearest->id, stairs.id, at, at, 0, no_hold, sigma_height}, RobustLoss::huber(gives_way));
     ++count;
   }
   return count == 0 || !committer.commit(edit).ok() ? 0 : count;
