@@ -21,24 +21,14 @@ std::vector<KeyframeId> keyframes_of(const StoredMap& map, std::int64_t session)
   return ids;
 }
 
-// Keyframes that have handed over their views: the map knows better than the odometry where they stood.
-std::set<KeyframeId> retired_keyframes(const StoredMap& map) {
-  std::set<KeyframeId> retired;
+// The keyframes to which motions of one source lead.
+std::set<KeyframeId> reached_by(const StoredMap& map, Se3Between::Source source) {
+  std::set<KeyframeId> reached;
   for (const auto& [id, factor] : map.factors) {
     const auto* between = std::get_if<Se3Between>(&factor.data);
-    if (between != nullptr && between->source == Se3Between::Source::retired) retired.insert(between->to);
+    if (between != nullptr && between->source == source) reached.insert(between->to);
   }
-  return retired;
-}
-
-// The keyframes that followed a ride in a lift.
-std::set<KeyframeId> after_rides(const StoredMap& map) {
-  std::set<KeyframeId> after;
-  for (const auto& [id, factor] : map.factors) {
-    const auto* between = std::get_if<Se3Between>(&factor.data);
-    if (between != nullptr && between->source == Se3Between::Source::ride) after.insert(between->to);
-  }
-  return after;
+  return reached;
 }
 
 // The motion between two keyframes as the map has it.
@@ -84,8 +74,9 @@ Localisation add_session(const StoredMap& from, std::int64_t session, const std:
   const std::vector<KeyframeId> stored = keyframes_of(from, session);  // in the same order
   std::optional<StoredClouds> clouds;
   if (!from.path.empty()) clouds.emplace(from.path);
-  const std::set<KeyframeId> retired = retired_keyframes(from);
-  const std::set<KeyframeId> ridden = after_rides(from);
+  // Keyframes that have handed over their views: the map knows better than the odometry where they stood.
+  const std::set<KeyframeId> retired = reached_by(from, Se3Between::Source::retired);
+  const std::set<KeyframeId> ridden = reached_by(from, Se3Between::Source::ride);
   const StoredSession& about = from.sessions.at(session);
   SessionStart start;
   if (!into.empty()) start = {take_map(into), MapMode::extend, near};

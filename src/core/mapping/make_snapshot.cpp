@@ -1,6 +1,6 @@
 #include "sgraph_slam/core/mapping/make_snapshot.hpp"
 
-#include <optional>
+#include <map>
 
 #include "sgraph_slam/core/graph/serialization.hpp"
 #include "storey_heights.hpp"
@@ -106,9 +106,11 @@ void add_places(const MapState& state, GraphSnapshot& snapshot) {
   }
   const bool several = state.layer.storeys().size() > 1;
   if (!several && state.layer.rooms().empty() && state.layer.corridors().empty()) return;
+  const std::map<int, double> sigmas = storey_height_sigmas(state);
   for (const auto& [number, storey] : state.layer.storeys()) {
-    const std::optional<double> sigma = storey_height_sigma(state, number);
-    snapshot.storeys.push_back({number, storey.floor, storey.ceiling, sigma.has_value(), sigma.value_or(0)});
+    const auto sigma = sigmas.find(number);
+    const bool known = sigma != sigmas.end();
+    snapshot.storeys.push_back({number, storey.floor, storey.ceiling, known, known ? sigma->second : 0});
   }
 }
 

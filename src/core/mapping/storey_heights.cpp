@@ -14,7 +14,6 @@ namespace sgraph {
 namespace {
 
 constexpr double stops = 0.01;  // [m] to which a cabin stops at a floor
-constexpr double anyhow = 10;   // [m] holds nothing: floors are held level otherwise
 
 // The storey on which a ride began: of the last keyframe before it that wasn't on stairs.
 int storey_before(const MapState& state, KeyframeId first) {
@@ -32,6 +31,7 @@ int group_of(const MapState& state, int storey) {
 
 // Of the groups within which stairs lead everywhere, against the first one's, standard deviation [m].
 std::map<int, double> group_sigmas(const MapState& state) {
+  if (state.rides.empty()) return {{0, 0.0}};
   std::map<std::pair<int, int>, double> information;  // of the height between two groups, from all rides between them
   for (const auto& [id, factor] : state.graph.factors()) {
     const auto* floors = std::get_if<AlignedWalls>(&factor.data);
@@ -75,15 +75,19 @@ void lift_floors(Committer& committer, MapState& state) {
     const Eigen::Vector3d at = state.graph.find(ride.first)->translation;
     Transaction edit;
     edit.reason = "a lift's floors are as far apart as the ride was long";
-    add_factor(edit, AlignedWalls{*below, *above, at, at, ride.rise.height, anyhow, std::hypot(ride.rise.sigma, stops)});
+    add_factor(edit, at_height(*below, *above, at, ride.rise.height, std::hypot(ride.rise.sigma, stops)));
     ride.placed = committer.commit(edit).ok();
   }
 }
 
-std::optional<double> storey_height_sigma(const MapState& state, int storey) {
+std::map<int, double> storey_height_sigmas(const MapState& state) {
   const std::map<int, double> sigmas = group_sigmas(state);
-  const auto found = sigmas.find(group_of(state, storey));
-  return found != sigmas.end() ? std::optional(found->second) : std::nullopt;
+  std::map<int, double> known;
+  for (const auto& [storey, space] : state.layer.storeys()) {
+    const auto found = sigmas.find(group_of(state, storey));
+    if (found != sigmas.end()) known[storey] = found->second;
+  }
+  return known;
 }
 
 std::vector<int> known_heights(const MapState& state) {

@@ -1,6 +1,6 @@
 #pragma once
 
-#include <optional>
+#include <map>
 #include <vector>
 
 #include "sgraph_slam/core/graph/committer.hpp"
@@ -12,9 +12,9 @@ namespace sgraph {
 /// the floor's height, to a centimetre. A floor that turns out to be another storey's takes that along when it is merged.
 void lift_floors(Committer& committer, MapState& state);
 
-/// To what a storey's height is known, standard deviation [m]: 0 where stairs lead to it from the first one, else what the measured rides on the way
-/// add up to; none where nothing told it.
-std::optional<double> storey_height_sigma(const MapState& state, int storey);
+/// To what the storeys' heights are known, standard deviations [m]: 0 where stairs lead to one from the first, else what the measured rides on the
+/// way add up to; those of which nothing told it aren't there.
+std::map<int, double> storey_height_sigmas(const MapState& state);
 
 /// A number for each storey; the heights of those with the same one are known against each other, by stairs or by measured rides.
 std::vector<int> known_heights(const MapState& state);

@@ -25,7 +25,6 @@ constexpr std::size_t views = 3;     // of a wall
 constexpr std::size_t longest = 40;  // walls above walls that a shift is looked for with; all count for it
 constexpr double chance = 0.01;      // false alarms that are taken for none
 constexpr double drawn = 0.05;       // [m] to which a floor of unknown height stays where it is drawn
-constexpr double anyhow = 10;        // [m] holds nothing
 constexpr double let_go = 2.5;       // of sigma
 
 // A wall above a wall, and how far it is ahead of it at both ends of what they share.
@@ -115,7 +114,7 @@ std::optional<AlignedWalls> at_one_height(const Graph& graph, const PlaneMap& pl
   const std::optional<PlaneId> above = largest_floor(graph, planes, upper);
   if (!below || !above) return std::nullopt;
   const Eigen::Vector3d middle = outline_center(planes.find(*above)->outline);
-  return AlignedWalls{*below, *above, middle, middle, 0, anyhow, drawn};
+  return at_height(*below, *above, middle, 0, drawn);
 }
 
 // Probability that at least k of n walls agree, each with probability p.

@@ -49,6 +49,11 @@ std::optional<PlaneId> largest_floor(const Graph& graph, const PlaneMap& planes,
   return largest;
 }
 
+AlignedWalls at_height(PlaneId a, PlaneId b, const Eigen::Vector3d& at, double rise, double sigma) {
+  constexpr double anyhow = 10;  // [m] holds nothing: from one point no tilt is known
+  return {a, b, at, at, rise, anyhow, sigma};
+}
+
 // Floors touch at a point, walls along a stretch; those that are drawn at one height aren't apart.
 bool are_floors_apart(const AlignedWalls& walls) { return walls.from == walls.to && walls.rise != 0; }
 

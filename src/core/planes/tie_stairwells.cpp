@@ -5,6 +5,7 @@
 #include <set>
 #include <vector>
 
+#include "sgraph_slam/core/planes/level_floors.hpp"
 #include "sgraph_slam/core/planes/merging.hpp"
 #include "sgraph_slam/core/types/storey.hpp"
 
@@ -17,7 +18,6 @@ constexpr double same_height = 0.08;    // [m] half a step
 constexpr double same_tilt = 0.02;      // [rad] a landing may slope by that for its water
 constexpr double sigma_tilt = 0.001;    // [rad] and
 constexpr double sigma_height = 0.005;  // [m] of one surface, seen at different angles by beams that are off
-constexpr double no_hold = 10;          // [m] holds nothing
 constexpr double gives_way = 2.5;       // of sigma
 
 struct Level {
@@ -70,7 +70,7 @@ int tie_stairwells(Committer& committer, const PlaneMap& planes) {
     if (nearest == nullptr || tied.count({nearest->id, stairs.id}) > 0) continue;
     const Eigen::Vector3d at = outline_center(*stairs.outline);
     add_factor(edit, ParallelPlanes{nearest->id, stairs.id, sigma_tilt}, RobustLoss::huber(gives_way));
-    add_factor(edit, AlignedWalls{nearest->id, stairs.id, at, at, 0, no_hold, sigma_height}, RobustLoss::huber(gives_way));
+    add_factor(edit, at_height(nearest->id, stairs.id, at, 0, sigma_height), RobustLoss::huber(gives_way));
     ++count;
   }
   return count == 0 || !committer.commit(edit).ok() ? 0 : count;

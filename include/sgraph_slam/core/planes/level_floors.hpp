@@ -15,6 +15,9 @@ std::set<int> storeys_of(const PlaneMap& planes);
 /// The largest floor of a storey that at least three keyframes have seen.
 std::optional<PlaneId> largest_floor(const Graph& graph, const PlaneMap& planes, int storey);
 
+/// The second of two floors or ceilings is `rise` [m] above the first at a point (map frame), to a standard deviation [m]; its tilt is free.
+AlignedWalls at_height(PlaneId a, PlaneId b, const Eigen::Vector3d& at, double rise, double sigma);
+
 /// Whether the factor joins floors that a ride in a lift was measured between, and not walls, or floors that are drawn at one height.
 bool are_floors_apart(const AlignedWalls& walls);
 
