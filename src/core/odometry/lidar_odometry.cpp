@@ -42,7 +42,7 @@ LidarOdometry::LidarOdometry(const OdometryParams& params, const Pose& T_base_li
       T_lidar_base_(T_base_lidar.inverse()),
       sensors_(T_base_lidar),
       local_(params),
-      window_(params.motion),
+      window_(params.motion, params.robot),
       acceptance_(params.motion.min_inliers, params.robot) {}
 
 MotionOutput LidarOdometry::process(const CloudPtr& cloud) {
@@ -225,7 +225,9 @@ WindowResult LidarOdometry::solve(const RigidAlignmentResult& alignment) {
   options.distributions = distributions_;
   options.iterations = params_.motion.iterations;
   options.noise = local_.noise();
-  options.plumb = window_.newest().in_cabin;
+  // Where all that is seen is near, few points hold the tilt, and it drifts with what the walls in the map lean by; the building's vertical doesn't.
+  options.plumb = window_.newest().in_cabin || (window_.newest().narrow && local_.vertical_known());
+  options.oblique = !window_.newest().in_cabin;
   options.patch_effect = patch_effect(points_on_patch((window_.newest().narrow ? 0.5 : 1.0) * params_.motion.keypoint_leaf));
   options.kernel = std::max(params_.motion.kernel, 3.0 * local_.map().noise());
   WindowResult result = solve_window(local_.map(), problem, options);

@@ -9,7 +9,7 @@ namespace {
 
 constexpr double poor_share = 0.7;      // of the usual share of matches: below it other starts are tried,
 constexpr double poor_after_gap = 0.9;  // and below this one after a gap
-constexpr double near_kernel = 0.15;    // [m] in a cabin, where the robot is slow
+constexpr double near_kernel = 0.15;    // [m] where all that is seen is near: a wider one would take the next step of a flight for this one
 constexpr double clearly_better = 1.1;  // support that another start must have
 
 // Every second keypoint where the predicted motion puts it.
@@ -33,7 +33,7 @@ RigidAlignmentResult find_start(const MapUpdater& local, const Acceptance& accep
   const std::vector<SeenPoint> points = predicted_points(query);
   RigidAlignmentOptions options;
   options.noise = local.noise();
-  options.kernel_begin = acceptance.rejected() > 0 ? 1.0 : 0.5;
+  options.kernel_begin = acceptance.rejected() > 0 ? 1.0 : scan.narrow ? near_kernel : 0.5;
   if (scan.in_cabin) {
     // Nothing but a few wrong matches would hold the height: points of walls on floors half a metre away.
     options.plumb_along = local.up();

@@ -136,7 +136,7 @@ class Problem {
       std::optional<Surface> stood;
       if (options_.plumb && surface != nullptr) {
         stood = plumb(*surface, problem_.up);
-        surface = stood ? &*stood : nullptr;
+        if (stood || !options_.oblique) surface = stood ? &*stood : nullptr;
       }
       if (surface == nullptr) {
         l.cost += k2 * information;  // where Geman-McClure levels off: losing a match never pays
@@ -203,41 +203,52 @@ class Problem {
     l.b.segment<6>(a) += s.ur[0];
   }
 
-  // Change of velocity at each inner knot, times the step: rotation in the sensor's axes, translation in odom's.
+  // Change of velocity at each inner knot, times the step, in the sensor's own axes: what walks, drives or climbs goes where it points. In odom's
+  // axes a body that tips level at the top of a flight of stairs would have to slow down upwards as it turns.
   void add_prior(const Knots& knots, Linearisation& l) const {
     for (int j = std::max(1, problem_.first_free - 1); j + 1 < static_cast<int>(knots.size()); ++j) {
       const auto i = static_cast<std::size_t>(j);
-      const Knot& before = knots[i - 1];
       const Knot& here = knots[i];
-      const Knot& after = knots[i + 1];
-      const double h1 = here.time - before.time;
-      const double h2 = after.time - here.time;
-      const double step = 0.5 * (h1 + h2);
+      const SegmentVelocity before = velocity(knots[i - 1], here);
+      const SegmentVelocity after = velocity(here, knots[i + 1]);
+      const double step = 0.5 * (before.time + after.time);
       const double growth = std::pow(step / prior_step, 1.5);  // white noise on the acceleration
-      const double c1 = step / h1;
-      const double c2 = step / h2;
-      const Eigen::Matrix3d to_before = before.pose.matrix().transpose();
-      const Eigen::Matrix3d to_here = here.pose.matrix().transpose();
-      const Vector3d turn =
-          c2 * so3_log(here.pose.rotation.conjugate() * after.pose.rotation) - c1 * so3_log(before.pose.rotation.conjugate() * here.pose.rotation);
-      const Vector3d way = c2 * (after.pose.translation - here.pose.translation) - c1 * (here.pose.translation - before.pose.translation);
-      Eigen::Matrix<double, 6, 18> jacobian = Eigen::Matrix<double, 6, 18>::Zero();
-      jacobian.block<3, 3>(0, 0) = c1 * to_before;
-      jacobian.block<3, 3>(0, 6) = -c2 * to_here - c1 * to_before;
-      jacobian.block<3, 3>(0, 12) = c2 * to_here;
-      jacobian.block<3, 3>(3, 3).diagonal().setConstant(c1);
-      jacobian.block<3, 3>(3, 9).diagonal().setConstant(-c1 - c2);
-      jacobian.block<3, 3>(3, 15).diagonal().setConstant(c2);
-      Vector6 e;
+      const double c1 = step / before.time;
+      const double c2 = step / after.time;
+      Eigen::Matrix<double, 6, 18> jacobian;
+      jacobian << -c1 * before.by_begin, c2 * after.by_begin - c1 * before.by_end, c2 * after.by_end;
+      Vector6 e = c2 * after.motion - c1 * before.motion;
       const VelocityPrior& prior = problem_.prior[i];
+      const Eigen::Matrix3d to_here = here.pose.matrix().transpose();
       const Eigen::Matrix3d wr = whitening(prior.rotation_sigma, to_here * prior.rotated) / growth;
-      const Eigen::Matrix3d wt = whitening(prior.translation_sigma, prior.translated) / growth;
+      const Eigen::Matrix3d wt = whitening(prior.translation_sigma, to_here * prior.translated) / growth;
       jacobian.topRows<3>() = (wr * jacobian.topRows<3>()).eval();
       jacobian.bottomRows<3>() = (wt * jacobian.bottomRows<3>()).eval();
-      e << wr * turn, wt * way;
+      e << wr * Vector3d(e.head<3>()), wt * Vector3d(e.tail<3>());
       l.cost += e.squaredNorm();
       add_residual<3>(j - 1, jacobian, jacobian, e, l);
     }
+  }
+
+  // Turn and way of a segment in the sensor's axes at its middle, and their derivatives by the knots.
+  struct SegmentVelocity {
+    double time;
+    Vector6 motion;
+    Matrix6 by_begin, by_end;
+  };
+  static SegmentVelocity velocity(const Knot& begin, const Knot& end) {
+    SegmentVelocity v;
+    v.time = end.time - begin.time;
+    const Vector3d turn = so3_log(begin.pose.rotation.conjugate() * end.pose.rotation);
+    const Vector3d way = end.pose.translation - begin.pose.translation;
+    const Eigen::Matrix3d to_begin = begin.pose.matrix().transpose();
+    const Eigen::Matrix3d to_middle = so3_exp(-0.5 * turn).toRotationMatrix() * to_begin;
+    v.motion << turn, to_middle * way;
+    const Eigen::Matrix3d turned = 0.5 * to_middle * skew(way);
+    const Eigen::Matrix3d none = Eigen::Matrix3d::Zero();
+    v.by_begin << -to_begin, none, turned, -to_middle;
+    v.by_end << to_begin, none, turned, to_middle;
+    return v;
   }
 
   void add_height(const Knots& knots, Linearisation& l) const {

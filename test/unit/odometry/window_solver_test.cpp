@@ -1,5 +1,9 @@
 #include "sgraph_slam/core/odometry/window_solver.hpp"
 
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+
 #include <gtest/gtest.h>
 
 #include "sgraph_slam/core/math/se3.hpp"
@@ -101,6 +105,43 @@ TEST(WindowSolver, ThePriorGivesWayAlongTheChangeAlone) {
   solve_window(empty.map, problem, {});
   EXPECT_GT(problem.knots[2].pose.translation.y(), 0.018);
   EXPECT_LT(problem.knots[2].pose.translation.x(), 0.008);
+}
+
+// Where no point tells anything the sensor goes on as it went, in its own axes: along the arc that it was on.
+TEST(WindowSolver, AMotionGoesOnAlongItsArc) {
+  const Room empty{SurfaceMap{SurfaceMapParams{}}, {}};
+  WindowProblem problem = moving(empty, 0, {}, {0.0009, 0.0015});
+  const Vector6 step = (Vector6() << 0, 0, 0.1, 0.05, 0, 0).finished();  // 2 rad/s, 1 m/s
+  for (int i = 0; i < 4; ++i) problem.knots[static_cast<std::size_t>(i)].pose = se3_exp(std::min(i, 1) * step);
+  solve_window(empty.map, problem, {});
+  for (int i = 2; i < 4; ++i) {
+    const Pose error = se3_exp(i * step).inverse() * problem.knots[static_cast<std::size_t>(i)].pose;
+    EXPECT_LT(error.translation.norm(), 1e-4) << i;
+    EXPECT_LT(so3_log(error.rotation).norm(), 1e-4) << i;
+  }
+}
+
+// Low stripes of wall that lean by 2 degrees in the map, as they do by chance: stood up, they leave the sensor upright.
+TEST(WindowSolver, PlumbWallsHoldTheSensorUpright) {
+  const auto stripe = [](int count, double noise, std::uint32_t seed) {
+    std::vector<test::SidePoint> points = test::noisy_box({6, 4, 2.5}, {true, true}, count, noise, seed);
+    const auto outside = [](const test::SidePoint& p) { return std::abs(p.normal.z()) > 0.5 || std::abs(p.position.z()) > 0.25; };
+    points.erase(std::remove_if(points.begin(), points.end(), outside), points.end());
+    return points;
+  };
+  const Eigen::Quaterniond lean = so3_exp({0.035, 0, 0});
+  Room leaning{SurfaceMap{SurfaceMapParams{}}, stripe(8000, 0, 2)};
+  for (const test::SidePoint& point : stripe(80000, 0.005, 1)) leaning.map.insert(lean * point.position, Vector3d::Zero());
+  leaning.map.update();
+  const auto tilt = [&](bool plumb) {
+    WindowProblem problem = moving(leaning, 0, {}, {loose, loose});
+    WindowOptions options;
+    options.plumb = plumb;
+    solve_window(leaning.map, problem, options);
+    return std::abs(so3_log(problem.knots[3].pose.rotation).x());
+  };
+  EXPECT_GT(tilt(false), 0.02);
+  EXPECT_LT(tilt(true), 0.005);
 }
 
 }  // namespace

@@ -32,7 +32,9 @@ class MapUpdater {
   [[nodiscard]] const SurfaceMap& map() const { return map_; }
   /// Standard deviation of a residual [m]: range noise, and what the map doesn't know.
   [[nodiscard]] double noise() const;
-  /// The building's vertical in odom, |up| = 1; that of the first scan's base until floors and ceilings have shown it.
+  /// Whether floors and ceilings have shown the building's vertical.
+  [[nodiscard]] bool vertical_known() const { return vertical_.has_value(); }
+  /// The building's vertical in odom, |up| = 1; that of the first scan's base until it is known.
   [[nodiscard]] Eigen::Vector3d up() const { return vertical_.value_or(Eigen::Vector3d::UnitZ()); }
 
  private:

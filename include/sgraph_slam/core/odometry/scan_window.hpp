@@ -18,7 +18,7 @@ class ScanWindow {
   /// The LiDAR's pose in odom at a time of the knots' clock, before it is measured.
   using Prediction = std::function<Pose(double time)>;
 
-  explicit ScanWindow(const MotionParams& params) : params_(params) {}
+  ScanWindow(const MotionParams& params, const RobotParams& robot) : params_(params), robot_(robot) {}
 
   [[nodiscard]] bool started() const { return !knots_.empty(); }
   /// Lays the first scan's knots, standing still; none of them is free. The scan itself isn't taken.
@@ -42,7 +42,8 @@ class ScanWindow {
   /// Takes out of the scans what the beams' errors made of them.
   void correct(const RingCalibration& added);
 
-  /// The newest scan's knots (those later than `from`) start from its rigid alignment; the prior gives way by as much as that moved.
+  /// The newest scan's knots (those later than `from`) start from its rigid alignment; the prior gives way by as much as that moved,
+  /// in narrow places by no more than what a robot can do.
   void start_from(const RigidAlignmentResult& alignment, double from);
   /// What is to be solved, without other sensors' measurements.
   [[nodiscard]] WindowProblem problem(const Eigen::Vector3d& up) const;
@@ -63,6 +64,7 @@ class ScanWindow {
   [[nodiscard]] VelocityPrior prior() const { return {params_.rotation_sigma, params_.translation_sigma}; }
 
   MotionParams params_;
+  RobotParams robot_;
   Knots knots_;                       // of the scans in the window, and two before for the prior
   int first_free_ = 1;                // knots before it are held
   std::vector<VelocityPrior> prior_;  // a knot

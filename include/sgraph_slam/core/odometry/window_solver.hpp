@@ -36,7 +36,7 @@ struct SegmentMeasurement {
 struct WindowProblem {
   Knots knots;                       ///< in: predicted, out: solved
   int first_free = 0;                ///< knots before this one are held
-  std::vector<VelocityPrior> prior;  ///< a knot; held at the knots 1 .. size - 2, between the segments before and after
+  std::vector<VelocityPrior> prior;  ///< a knot; held at the knots 1 .. size - 2, between the segments before and after, in the sensor's axes
   std::vector<Keypoint> keypoints;
   std::vector<Matrix6>
       observable;  ///< a segment: projection of its knots' steps onto the directions that its points hold; the others are the prior's
@@ -53,6 +53,7 @@ struct WindowOptions {
   bool distributions = false;  ///< residual between two Gaussians instead of along the surface's normal (VGICP, Koide et al. 2021)
   double gate_scale = 3.0;     ///< points farther than this many kernels from a surface don't match
   bool plumb = false;          ///< walls count as plumb (`plumb`)
+  bool oblique = true;         ///< then what is neither wall nor floor (the underside of a flight of stairs) counts as it is; otherwise not at all
 };
 
 struct WindowResult {
