@@ -23,6 +23,9 @@ constexpr double mean_sigma = 1e-4;                // [m] of the mean of the ran
 constexpr double kept_range_sigma = 0.003;              // [m]
 constexpr double kept_elevation_sigma = 0.02 * degree;  // [rad]
 
+constexpr double free_elevation = 1 * degree;  // when it is asked what the data alone says of the vertical offsets
+constexpr double vertical_told = 0.2;          // standard deviation of their share: five of them lie between lacking and present
+
 constexpr double fixed_weight = 1e12;  // of a parameter that is settled
 
 constexpr double edge = 1.0;                // [m] of a voxel
@@ -112,6 +115,9 @@ void RingCalibrator::learn_beams(const Cloud& raw) {
     for (const int row : table->row_of_ring)
       calibration->vertical_offsets.push_back(row < 0 ? 0.0 : vlp16_vertical_offsets()[static_cast<std::size_t>(row)]);
   }
+  if (!lacks_offsets) calibration->vertical_applied = false;
+  vertical_settled_ = !lacks_offsets || (known && calibration->vertical_settled);
+  calibration->vertical_settled = lacks_offsets && vertical_settled_;
   h_ = Eigen::MatrixXd::Zero(unknowns(), unknowns());
   b_ = Eigen::VectorXd::Zero(unknowns());
   applied_ = Eigen::VectorXd::Zero(unknowns());
@@ -119,19 +125,22 @@ void RingCalibrator::learn_beams(const Cloud& raw) {
   prior_weight_ = Eigen::VectorXd::Zero(unknowns());
   for (int ring = 0; ring < rings; ++ring) {
     BeamCalibration& beam = calibration->beams[static_cast<std::size_t>(ring)];
+    if (!vertical_settled_) {  // they may stand for the vertical offsets
+      beam.elevation_offset = beam.elevation_sigma = 0;
+      beam.elevation_applied = false;
+    }
     prior_mean_[ring] = beam.range_offset;
     prior_mean_[rings + ring] = beam.elevation_offset;
     const double range = known ? std::hypot(std::min(beam.range_sigma, range_prior), kept_range_sigma) : range_prior;
-    const double elevation = known ? std::hypot(std::min(beam.elevation_sigma, elevation_prior), kept_elevation_sigma) : elevation_prior;
+    const double elevation =
+        known && vertical_settled_ ? std::hypot(std::min(beam.elevation_sigma, elevation_prior), kept_elevation_sigma) : elevation_prior;
     prior_weight_[ring] = 1 / (range * range);
     prior_weight_[rings + ring] = 1 / (elevation * elevation);
     if (beam.range_applied) applied_[ring] = beam.range_offset;
     if (beam.elevation_applied) applied_[rings + ring] = beam.elevation_offset;
   }
-  if (!lacks_offsets) calibration->vertical_applied = false;
   vertical_share_ = calibration->vertical_share;
   vertical_sigma_ = calibration->vertical_sigma;
-  vertical_settled_ = !lacks_offsets || (known && calibration->vertical_applied);
   const double share = calibration->vertical_applied ? 1.0 : 0.0;
   applied_[2 * rings] = share;
   prior_mean_[2 * rings] = vertical_settled_ ? share : 0.5;
@@ -332,16 +341,22 @@ void RingCalibrator::solve() {
   for (int ring = 0; ring < rings_; ++ring) mean[ring] = counts_[static_cast<std::size_t>(ring)] ? 1 / std::max(seen, 1.0) : 0.0;
   h += mean * mean.transpose() / (mean_sigma * mean_sigma);
   if (!vertical_settled_) {
-    const Eigen::LDLT<Eigen::MatrixXd> free(h);
-    if (free.info() != Eigen::Success || !free.isPositive()) return;
-    const double share = free.solve(b)[2 * rings_];
-    const double sigma = std::sqrt(std::max(0.0, free.solve(Eigen::VectorXd::Unit(unknowns(), 2 * rings_))[2 * rings_]));
-    settle_vertical(share, sigma);
+    // One beam meets floors, and ceilings, at one distance nearly everywhere, and there its elevation does what its vertical offset would. What tells
+    // the two apart must be the data and not what was expected of the elevations: small errors of the poses, which all scans share, outweigh that.
+    Eigen::MatrixXd free = h;
+    Eigen::VectorXd free_b = b;
+    for (Eigen::Index i = rings_; i < 2 * rings_; ++i) {
+      free(i, i) += 1 / (free_elevation * free_elevation) - prior_weight_[i];
+      free_b[i] -= prior_weight_[i] * prior_mean_[i];
+    }
+    const Eigen::LDLT<Eigen::MatrixXd> factor(free);
+    if (factor.info() != Eigen::Success || !factor.isPositive()) return;
+    vertical_share_ = factor.solve(free_b)[2 * rings_];
+    vertical_sigma_ = std::sqrt(std::max(0.0, factor.solve(Eigen::VectorXd::Unit(unknowns(), 2 * rings_))[2 * rings_]));
+    settle_vertical(vertical_share_, vertical_sigma_);
     // The other parameters are those that go with what is taken for true, not with a mixture of the two.
     h(2 * rings_, 2 * rings_) += fixed_weight;
     b[2 * rings_] += fixed_weight * (vertical_settled_ ? prior_mean_[2 * rings_] : 0.0);
-    vertical_share_ = share;
-    vertical_sigma_ = sigma;
   }
   const Eigen::LDLT<Eigen::MatrixXd> factor(h);
   if (factor.info() != Eigen::Success || !factor.isPositive()) return;
@@ -366,7 +381,8 @@ void RingCalibrator::solve() {
   }
   calibration->vertical_share = vertical_share_;
   calibration->vertical_sigma = vertical_sigma_;
-  calibration->vertical_applied = vertical_settled_ && prior_mean_[2 * rings_] > 0.5;
+  calibration->vertical_settled = !calibration->vertical_offsets.empty() && vertical_settled_;
+  calibration->vertical_applied = calibration->vertical_settled && prior_mean_[2 * rings_] > 0.5;
   if (!decided_) decide(errs);
 }
 
@@ -396,16 +412,16 @@ void RingCalibrator::begin_to_take_out() {
   added_ = taken_out_ = std::move(next_);
 }
 
-// The offsets are lacking or they aren't: what the data says three times in a row is taken for true.
+// The offsets are lacking or they aren't: what the data says three times in a row is taken for true. It must say one of the two: with the errors of
+// an odometry's poses in a long corridor it has said -3 with a standard deviation of 0.2 (docs/sensors.md).
 void RingCalibrator::settle_vertical(double share, double sigma) {
-  // The logarithm of the odds of 1 against 0 is this by sigma^2. Three to one is enough: by then the elevations that are estimated beside hold what
-  // the wrong answer would spoil.
-  const bool tells = scans_ >= least_scans && std::abs(share - 0.5) > 1.1 * sigma * sigma;
-  const int vote = !tells ? 0 : share > 0.5 ? 1 : -1;
+  const double answer = share > 0.5 ? 1.0 : 0.0;
+  const bool tells = scans_ >= least_scans && sigma < vertical_told && std::abs(share - answer) < 2 * sigma;
+  const int vote = !tells ? 0 : answer > 0 ? 1 : -1;
   vertical_votes_ = vote == 0 ? 0 : vote * vertical_votes_ > 0 ? vertical_votes_ + vote : vote;
   if (std::abs(vertical_votes_) < 3) return;
   vertical_settled_ = true;
-  prior_mean_[2 * rings_] = vote > 0 ? 1.0 : 0.0;
+  prior_mean_[2 * rings_] = answer;
   prior_weight_[2 * rings_] = fixed_weight;
 }
 

@@ -85,6 +85,7 @@ Json to_json(const RingCalibration& calibration) {
   return {{"scans", calibration.scans},
           {"vertical_offsets_lacking", calibration.vertical_share},
           {"vertical_offsets_sigma", calibration.vertical_sigma},
+          {"vertical_offsets_settled", calibration.vertical_settled},
           {"vertical_offsets_added", calibration.vertical_applied},
           {"beams", beams}};
 }

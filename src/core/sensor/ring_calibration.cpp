@@ -63,15 +63,17 @@ std::string RingCalibration::text() const {
     squares += beam.range_applied ? beam.range_offset * beam.range_offset : 0;
     squares_e += beam.elevation_applied ? beam.elevation_offset * beam.elevation_offset : 0;
   }
+  const char* const vertical = vertical_applied ? "added" : vertical_settled || vertical_offsets.empty() ? "left as they are" : "not settled";
   return format("calibration: ranges of %d of %zu beams (rms %.1f mm), elevations of %d (rms %.3f deg), vertical offsets %s; %d scans", ranges,
                 beams.size(), ranges > 0 ? 1e3 * std::sqrt(squares / ranges) : 0.0, elevations,
-                elevations > 0 ? std::sqrt(squares_e / elevations) / degree : 0.0, vertical_applied ? "added" : "left as they are", scans);
+                elevations > 0 ? std::sqrt(squares_e / elevations) / degree : 0.0, vertical, scans);
 }
 
 std::string to_yaml(const RingCalibration& calibration) {
   std::string text = "# Errors of the LiDAR's beams, by ring number: ranges are too long by range_mm, elevations too low by elevation_deg.\n";
-  text += format("format: 1\nscans: %d\nvertical: {share: %.3f, sigma: %.3f, applied: %s, offsets_mm: [", calibration.scans,
-                 calibration.vertical_share, calibration.vertical_sigma, calibration.vertical_applied ? "true" : "false");
+  text += format("format: 1\nscans: %d\nvertical: {share: %.3f, sigma: %.3f, settled: %s, applied: %s, offsets_mm: [", calibration.scans,
+                 calibration.vertical_share, calibration.vertical_sigma, calibration.vertical_settled ? "true" : "false",
+                 calibration.vertical_applied ? "true" : "false");
   for (std::size_t i = 0; i < calibration.vertical_offsets.size(); ++i)
     text += format(i == 0 ? "%.2f" : ", %.2f", 1e3 * calibration.vertical_offsets[i]);
   text += "]}\nbeams:\n";
@@ -95,6 +97,7 @@ RingCalibration read_calibration(const std::string& path) {
     result.vertical_share = vertical["share"].as<double>();
     result.vertical_sigma = vertical["sigma"].as<double>();
     result.vertical_applied = vertical["applied"].as<bool>();
+    result.vertical_settled = vertical["settled"].as<bool>(result.vertical_applied);
     for (const YAML::Node& offset : vertical["offsets_mm"]) result.vertical_offsets.push_back(1e-3 * offset.as<double>());
     for (const YAML::Node& beam : root["beams"]) {
       if (beam["ring"].as<std::size_t>() != result.beams.size()) throw std::runtime_error("its beams aren't in order");

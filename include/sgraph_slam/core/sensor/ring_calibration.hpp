@@ -23,6 +23,7 @@ struct RingCalibration {
   std::vector<double> vertical_offsets;  ///< height of each beam's origin that the cloud may lack [m]; empty: none is known
   double vertical_share = 0;             ///< estimated share of these offsets that the cloud lacks: 0 or 1 in truth
   double vertical_sigma = 0;
+  bool vertical_settled = false;  ///< whether the data holds it; until it does, elevations may stand for these offsets
   bool vertical_applied = false;
   int scans = 0;  ///< that it was estimated from
 
