@@ -413,8 +413,11 @@ void RingCalibrator::begin_to_take_out() {
 }
 
 // The offsets are lacking or they aren't: what the data says three times in a row is taken for true. It must say one of the two: with the errors of
-// an odometry's poses in a long corridor it has said -3 with a standard deviation of 0.2 (docs/sensors.md).
+// an odometry's poses in a long corridor it has said -3 with a standard deviation of 0.2, on its way through 0 later (docs/sensors.md).
 void RingCalibrator::settle_vertical(double share, double sigma) {
+  constexpr double neither = 4;  // standard deviations from both
+  if (scans_ >= least_scans && std::min(std::abs(share), std::abs(share - 1)) > neither * sigma) vertical_contradicted_ = true;
+  if (vertical_contradicted_) return;
   const double answer = share > 0.5 ? 1.0 : 0.0;
   const bool tells = scans_ >= least_scans && sigma < vertical_told && std::abs(share - answer) < 2 * sigma;
   const int vote = !tells ? 0 : answer > 0 ? 1 : -1;

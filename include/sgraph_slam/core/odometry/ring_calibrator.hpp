@@ -129,7 +129,8 @@ class RingCalibrator {
   int at_place_ = 0;  // scans taken there
   int scans_ = 0;     // taken in all
   int since_solved_ = 0;
-  int vertical_votes_ = 0;  // solutions in a row that say the same of the vertical offsets
+  int vertical_votes_ = 0;              // solutions in a row that say the same of the vertical offsets
+  bool vertical_contradicted_ = false;  // the data has said neither: its errors are larger than it is told, and it settles nothing in this run
   bool vertical_settled_ = false;
   double vertical_share_ = 0, vertical_sigma_ = 0;
 };
