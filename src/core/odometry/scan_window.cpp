@@ -14,8 +14,7 @@ constexpr double usual_change = 15.0;   // a correction's ratio to the change of
 // The same in a narrow place, where the prior would outvote the few points that hold the motion. A constant acceleration a moves the end of a scan of
 // T = 0.1 s by a T^2 / 2 and changes the velocity times a step h = 0.05 s by a h^2: 2; the correction is shared out over the steps of two scans.
 constexpr double change_where_narrow = 4.0;
-constexpr double prior_step = 0.05;  // [s] that the prior's sigmas are given for
-constexpr double same_time = 1e-9;   // [s]
+constexpr double same_time = 1e-9;  // [s]
 
 Eigen::Vector3d shortened(const Eigen::Vector3d& v, double most) { return v.norm() > most ? Eigen::Vector3d(v * (most / v.norm())) : v; }
 
@@ -84,8 +83,9 @@ void ScanWindow::start_from(const RigidAlignmentResult& alignment, double from) 
   if (narrow) {
     // Half a sweep sees one side only. Where that is a near wall it leaves the end of the scan so free that a wider prior lets the velocity swing
     // from scan to scan, further each time; no robot can.
-    widened.rotated = shortened(widened.rotated, robot_.angular_acceleration * prior_step * prior_step);
-    widened.translated = shortened(widened.translated, robot_.acceleration * prior_step * prior_step);
+    constexpr double step2 = VelocityPrior::step * VelocityPrior::step;
+    widened.rotated = shortened(widened.rotated, robot_.angular_acceleration * step2);
+    widened.translated = shortened(widened.translated, robot_.acceleration * step2);
   }
   for (std::size_t i = static_cast<std::size_t>(first_free_) - 1; i < knots_.size(); ++i) {
     if (knots_[i].time < from - same_time) continue;

@@ -15,7 +15,6 @@ using Eigen::MatrixXd;
 using Eigen::Vector3d;
 using Eigen::VectorXd;
 
-constexpr double prior_step = 0.05;           // seconds that the prior's sigmas are given for
 constexpr double height_sigma = 0.01;         // [m] that the height changes by in such a step: robots and people stay on their floor
 constexpr double measurement_kernel2 = 36.0;  // squared standard deviations at which another sensor's say has fallen to a quarter
 
@@ -206,13 +205,16 @@ class Problem {
   // Change of velocity at each inner knot, times the step, in the sensor's own axes: what walks, drives or climbs goes where it points. In odom's
   // axes a body that tips level at the top of a flight of stairs would have to slow down upwards as it turns.
   void add_prior(const Knots& knots, Linearisation& l) const {
-    for (int j = std::max(1, problem_.first_free - 1); j + 1 < static_cast<int>(knots.size()); ++j) {
+    const int first = std::max(1, problem_.first_free - 1);
+    if (first + 1 >= static_cast<int>(knots.size())) return;
+    SegmentVelocity after = velocity(knots[static_cast<std::size_t>(first) - 1], knots[static_cast<std::size_t>(first)]);
+    for (int j = first; j + 1 < static_cast<int>(knots.size()); ++j) {
       const auto i = static_cast<std::size_t>(j);
       const Knot& here = knots[i];
-      const SegmentVelocity before = velocity(knots[i - 1], here);
-      const SegmentVelocity after = velocity(here, knots[i + 1]);
+      const SegmentVelocity before = after;
+      after = velocity(here, knots[i + 1]);
       const double step = 0.5 * (before.time + after.time);
-      const double growth = std::pow(step / prior_step, 1.5);  // white noise on the acceleration
+      const double growth = std::pow(step / VelocityPrior::step, 1.5);  // white noise on the acceleration
       const double c1 = step / before.time;
       const double c2 = step / after.time;
       Eigen::Matrix<double, 6, 18> jacobian;
@@ -255,7 +257,7 @@ class Problem {
     for (int i = problem_.first_free - 1; i + 1 < static_cast<int>(knots.size()); ++i) {
       const Knot& begin = knots[static_cast<std::size_t>(i)];
       const Knot& end = knots[static_cast<std::size_t>(i) + 1];
-      const double weight = prior_step / (height_sigma * height_sigma * (end.time - begin.time));
+      const double weight = VelocityPrior::step / (height_sigma * height_sigma * (end.time - begin.time));
       const double climb = problem_.up.dot(end.pose.translation - begin.pose.translation);
       l.cost += weight * climb * climb;
       const Eigen::Matrix3d h = weight * problem_.up * problem_.up.transpose();

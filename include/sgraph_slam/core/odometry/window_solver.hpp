@@ -21,8 +21,9 @@ struct Keypoint {
 
 /// How much the velocity may change from one segment to the next.
 struct VelocityPrior {
-  double rotation_sigma = 0;                             ///< change of the rotation over a 50 ms step [rad]
-  double translation_sigma = 0;                          ///< change of the way over a 50 ms step [m]
+  static constexpr double step = 0.05;                   ///< [s] that the sigmas are given for
+  double rotation_sigma = 0;                             ///< change of the rotation over a step [rad]
+  double translation_sigma = 0;                          ///< change of the way over a step [m]
   Eigen::Vector3d rotated = Eigen::Vector3d::Zero();     ///< standard deviation along a direction, beside these [rad, odom's axes]
   Eigen::Vector3d translated = Eigen::Vector3d::Zero();  ///< likewise of the way [m]
 };
