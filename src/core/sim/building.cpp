@@ -181,6 +181,8 @@ void measure_again(const Storey& storey, std::vector<Place>& places) {
 
 }  // namespace
 
+bool stands_on(const Storey& above, const Storey& below) { return std::abs(below.elevation + below.height - above.elevation) < 1e-3; }
+
 double Unevenness::operator()(const Eigen::Vector2d& at) const {
   double z = slope.dot(at - origin);
   for (const Wave& wave : waves) z += wave.amplitude * std::sin(wave.number.dot(at) + wave.phase);
@@ -201,6 +203,12 @@ World with_building_errors(const World& world) {
     measure_again(storey, storey.rooms);
     measure_again(storey, storey.corridors);
     storey.regions = regions_of(storey, world.file);
+  }
+  // Where a floor lies on the ceiling below, both are sides of one slab without thickness.
+  for (Storey& below : result.storeys) {
+    for (const Storey& above : result.storeys) {
+      if (stands_on(above, below)) below.ceiling_shape = above.floor_shape;
+    }
   }
   check_routes_as_built(result);
   return result;

@@ -61,6 +61,25 @@ struct Margin {
   double above = 0;
 };
 
+// Of a body that reaches from floor to ceiling along a line. Into a storey that follows without a slab it goes no further than unevenness asks for,
+// or it would stand there as a kerb.
+Margin margin_of(const World& world, const Storey& storey, const Eigen::Vector2d& p, const Eigen::Vector2d& q) {
+  if (storey.floor_shape.flat() && storey.ceiling_shape.flat()) return {};
+  constexpr double deep = 0.05;
+  constexpr double spacing = 0.25;  // the waves are metres long
+  constexpr double closed = 0.001;
+  Margin tight{-deep, -deep};
+  const int steps = static_cast<int>((q - p).norm() / spacing) + 1;
+  for (int i = 0; i <= steps; ++i) {
+    const Eigen::Vector2d at = p + static_cast<double>(i) / steps * (q - p);
+    tight.below = std::max(tight.below, closed - storey.floor_shape(at));
+    tight.above = std::max(tight.above, closed + storey.ceiling_shape(at));
+  }
+  const auto any = [&](auto&& touches) { return std::any_of(world.storeys.begin(), world.storeys.end(), touches); };
+  return {any([&](const Storey& other) { return stands_on(storey, other); }) ? tight.below : deep,
+          any([&](const Storey& other) { return stands_on(other, storey); }) ? tight.above : deep};
+}
+
 // A piece of a wall's body, closed on all sides but, where it stands on the floor, at its bottom.
 void add_body(std::vector<Surface>& all, const Wall& wall, WallPiece piece, const Margin& margin) {
   const double half = 0.5 * wall.thickness;
@@ -271,17 +290,18 @@ std::vector<Surface> surfaces_of(const World& world) {
       }
       end_object();
     }
-    const double margin = storey.floor_shape.flat() && storey.ceiling_shape.flat() ? 0 : 0.05;
     const auto reaches_ceiling = [&storey](double top) { return top > storey.elevation + storey.height - 0.01; };
     for (const Wall& wall : storey.walls) {
-      add_wall(all, wall, {margin, reaches_ceiling(wall.bottom + wall.height) ? margin : 0});
+      const Margin margin = margin_of(world, storey, wall.p, wall.q);
+      add_wall(all, wall, {margin.below, reaches_ceiling(wall.bottom + wall.height) ? margin.above : 0});
       end_object();
     }
     for (const Block& column : storey.columns) {
       const double half = 0.5 * column.size.z();
-      add_prism(all, footprint(column), column.center.z() - half - margin,
-                column.center.z() + half + (reaches_ceiling(column.center.z() + half) ? margin : 0), SurfaceKind::column, column.material, false,
-                true);
+      const Margin margin = margin_of(world, storey, column.center.head<2>(), column.center.head<2>());
+      add_prism(all, footprint(column), column.center.z() - half - margin.below,
+                column.center.z() + half + (reaches_ceiling(column.center.z() + half) ? margin.above : 0), SurfaceKind::column, column.material,
+                false, true);
       end_object();
     }
     for (const Block& piece : storey.furniture) {

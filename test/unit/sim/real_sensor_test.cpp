@@ -5,6 +5,7 @@
 #include <map>
 #include <numeric>
 
+#include "sgraph_slam/core/sim/scene.hpp"
 #include "sgraph_slam/core/sim/simulator.hpp"
 
 namespace sgraph::sim {
@@ -127,6 +128,26 @@ TEST(RealBuilding, TheRobotStandsOnTheFloorAsItIs) {
   const Pose start = motion.pose_at(0);
   EXPECT_NEAR(start.translation.z(), built.motion.base_height + built.storeys[0].floor_shape(start.translation.head<2>()), 1e-9);
   EXPECT_GT(std::abs(built.storeys[0].floor_shape({1, 1}) - built.storeys[0].floor_shape({8, 4})), 1e-4);
+}
+
+// Where no slab lies between two storeys: walls end at the slab's two sides, or the upper storey would have kerbs and the lower one beams.
+TEST(RealBuilding, WallsOfAStoreyEndAtTheNextOne) {
+  const World built = with_building_errors(read_world("worlds/stairs.yaml"));
+  const Storey& below = built.storeys[0];
+  const Storey& above = built.storeys[1];
+  ASSERT_FALSE(above.floor_shape.flat());
+  int at_slab = 0;
+  for (const Surface& surface : surfaces_of(built)) {
+    if (surface.kind != SurfaceKind::wall) continue;
+    for (const Eigen::Vector3d& corner : surface.outline) {
+      if (std::abs(corner.z() - above.elevation) > 0.2) continue;
+      ++at_slab;
+      const double over = corner.z() - above.elevation - above.floor_shape(corner.head<2>());
+      EXPECT_LT(std::abs(over), 0.025) << "what the floor rises and falls by along the wall";
+    }
+  }
+  EXPECT_GT(at_slab, 50);
+  EXPECT_EQ(below.ceiling_shape({3, 3}), above.floor_shape({3, 3}));
 }
 
 }  // namespace

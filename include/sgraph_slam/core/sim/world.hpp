@@ -128,6 +128,9 @@ struct Storey {
   std::vector<Region> regions;  ///< all places that its walls enclose, those with seeds first
 };
 
+/// Whether the floor of one storey lies on the ceiling of the other, with no slab between them.
+bool stands_on(const Storey& above, const Storey& below);
+
 /// A flight of stairs, or with `step` 0 a ramp: rises evenly from one end to the other.
 struct Flight {
   Eigen::Vector3d begin = Eigen::Vector3d::Zero();  ///< middle of the foot of the first riser [m]
