@@ -117,6 +117,10 @@ void RingCalibrator::learn_beams(const Cloud& raw) {
   }
   if (!lacks_offsets) calibration->vertical_applied = false;
   vertical_settled_ = !lacks_offsets || (known && calibration->vertical_settled);
+  if (lacks_offsets && params_.vertical != "auto") {
+    vertical_settled_ = true;
+    calibration->vertical_applied = params_.vertical == "lacking";
+  }
   calibration->vertical_settled = lacks_offsets && vertical_settled_;
   h_ = Eigen::MatrixXd::Zero(unknowns(), unknowns());
   b_ = Eigen::VectorXd::Zero(unknowns());
@@ -364,10 +368,15 @@ void RingCalibrator::solve() {
   const Eigen::VectorXd sigma = factor.solve(Eigen::MatrixXd::Identity(unknowns(), unknowns())).diagonal().cwiseMax(0).cwiseSqrt();
   if (!x.allFinite() || !sigma.allFinite()) return;
 
+  const bool errs = std::sqrt(x.head(rings_).squaredNorm() / std::max(seen, 1.0)) > 2 * own_error;
+  if (errs && scans_ >= least_scans && !vertical_settled_) {
+    settle_vertical_as(1);
+    solve();  // ranges that go with it
+    return;
+  }
   auto calibration = std::make_shared<RingCalibration>(*calibration_);
   calibration->scans = scans_;
   calibration_ = calibration;
-  const bool errs = std::sqrt(x.head(rings_).squaredNorm() / std::max(seen, 1.0)) > 2 * own_error;
   for (int ring = 0; ring < rings_; ++ring) {
     BeamCalibration& beam = calibration->beams[static_cast<std::size_t>(ring)];
     beam.range_offset = x[ring];
@@ -401,6 +410,7 @@ void RingCalibrator::decide(bool errs) {
     next->beams[ring].range_offset = beams[ring].range_offset;
     next->beams[ring].range_applied = beams[ring].range_applied;
   }
+  next->vertical_applied = calibration_->vertical_applied;
   if (next->corrects()) next_ = next;
 }
 
@@ -409,6 +419,7 @@ void RingCalibrator::begin_to_take_out() {
     const BeamCalibration& beam = next_->beams[ring];
     applied_[static_cast<Eigen::Index>(ring)] = beam.range_applied ? beam.range_offset : 0.0;
   }
+  applied_[2 * rings_] = next_->vertical_applied ? 1.0 : 0.0;
   added_ = taken_out_ = std::move(next_);
 }
 
@@ -422,9 +433,14 @@ void RingCalibrator::settle_vertical(double share, double sigma) {
   const bool tells = scans_ >= least_scans && sigma < vertical_told && std::abs(share - answer) < 2 * sigma;
   const int vote = !tells ? 0 : answer > 0 ? 1 : -1;
   vertical_votes_ = vote == 0 ? 0 : vote * vertical_votes_ > 0 ? vertical_votes_ + vote : vote;
-  if (std::abs(vertical_votes_) < 3) return;
+  if (std::abs(vertical_votes_) >= 3) settle_vertical_as(answer);
+}
+
+// Beams that err in range are a real VLP-16's, and each of its lasers has its place on the axis: a cloud of it in which all beams start at one point
+// lacks that. A simulated sensor has beams without errors.
+void RingCalibrator::settle_vertical_as(double share) {
   vertical_settled_ = true;
-  prior_mean_[2 * rings_] = answer;
+  prior_mean_[2 * rings_] = share;
   prior_weight_[2 * rings_] = fixed_weight;
 }
 

@@ -18,6 +18,7 @@ namespace sgraph {
 
 struct CalibrationParams {
   std::string mode = "auto";
+  std::string vertical = "auto";
   std::string file;
   double range_sigma = 0.0015;
   double elevation_sigma = 0.025;
@@ -28,6 +29,9 @@ struct CalibrationParams {
         "Errors of the LiDAR's beams: estimate reports and saves them and takes out what `file` holds; auto also takes out the range offsets that it "
         "finds; fixed only takes out what `file` holds.");
     v.field("file", file, "Calibration of an earlier run to begin with; empty: none.");
+    v.choice("vertical", vertical, {"auto", "lacking", "present"},
+             "Whether the cloud of a VLP-16 lacks the heights of its lasers on the axis. auto: it does when all beams start at one point and their "
+             "ranges err as a real sensor's do. lacking: they are added from the first scan; present: never.");
     v.field("range_sigma", range_sigma, "m", {1e-5, 0.1}, "A beam's range offset is taken out when it is known better than this.");
     v.field("elevation_sigma", elevation_sigma, "deg", {1e-4, 1}, "... and its elevation offset when that is known better than this.");
   }
@@ -106,6 +110,7 @@ class RingCalibrator {
   void decide(bool errs);
   void begin_to_take_out();
   void settle_vertical(double share, double sigma);
+  void settle_vertical_as(double share);
   [[nodiscard]] Eigen::Index unknowns() const { return 2 * rings_ + 1; }
 
   CalibrationParams params_;
