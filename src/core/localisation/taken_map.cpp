@@ -1,6 +1,7 @@
 #include "sgraph_slam/core/localisation/taken_map.hpp"
 
 #include <algorithm>
+#include <optional>
 
 #include "sgraph_slam/core/graph/serialization.hpp"
 #include "sgraph_slam/core/store/stored_clouds.hpp"
@@ -24,6 +25,8 @@ PlaneRecord record_of(const StoredMap& map, PlaneId id) {
     record.plane_class = plane->second.plane_class;
     record.last_covariance = plane->second.view_covariance;
   }
+  const auto retired = map.retired.find(id);
+  if (retired != map.retired.end()) record.retired = retired->second;
   return record;
 }
 
@@ -72,6 +75,11 @@ KeptMap kept_map(const TakenMap& map) {
     throw StoreError(map.path + ": the file is damaged (" + error.what() + ")");
   }
   kept.keyframes = map.snapshot->keyframes;
+  std::optional<std::int64_t> session;
+  for (const auto& [id, number] : stored.session_of) {
+    if (session != number) kept.sessions.insert(id);
+    session = number;
+  }
   for (const auto& [id, plane] : stored.planes) kept.planes[id] = record_of(stored, id);
   for (const auto& [id, view] : stored.views) {
     const Factor* factor = kept.graph.find(id);

@@ -44,6 +44,8 @@ void MapBuilder::go_on_with(KeptMap map, const Pose& T_map_odom, const Matrix6& 
   state_.planes.map.refresh(state_.graph, state_.planes.frame);
   const SceneKeyframe& last = state_.keyframes.rbegin()->second;
   const Pose T_map_odom_before = *state_.graph.find(last.id) * last.T_odom_base.inverse();
+  state_.planes.sessions = std::move(map.sessions);
+  state_.planes.sessions.insert({last.id.value + 1});
   state_.session = {last.id.value + 1, T_map_odom_before.inverse() * T_map_odom, covariance};
   state_.T_map_odom = T_map_odom;
   update_storeys();

@@ -1,6 +1,8 @@
 #include "sgraph_slam/core/planes/drop_planes.hpp"
 
 #include <cmath>
+#include <map>
+#include <utility>
 
 #include "sgraph_slam/core/planes/passages.hpp"
 
@@ -32,11 +34,31 @@ bool is_ghost(const Graph& graph, const PlaneLayer& planes, const PlaneRecord& r
   return false;
 }
 
+// The robot's paths since a session, storey by storey, made when they are asked for.
+class Paths {
+ public:
+  Paths(const Graph& graph, const PlaneLayer& planes) : graph_(graph), planes_(planes) {}
+
+  // Where the robot has walked since the session in which the plane was first seen. Through a door that was shut since then, or where a wall was
+  // built, it could walk in the sessions before.
+  const GroundPath& since_seen(const PlaneRecord& record) {
+    const KeyframeId since = planes_.session_of(*record.keyframes.begin());
+    const auto known = paths_.find({record.storey, since});
+    if (known != paths_.end()) return known->second;
+    return paths_.emplace(std::pair{record.storey, since}, path_on(graph_, planes_, record.storey, since)).first->second;
+  }
+
+ private:
+  const Graph& graph_;
+  const PlaneLayer& planes_;
+  std::map<std::pair<int, KeyframeId>, GroundPath> paths_;
+};
+
 // Whether the plane was seen only where the robot has walked.
-bool is_walked_through(const PlaneRecord& record, const GroundPath& path) {
-  if (!record.wall) return false;
+bool is_walked_through(const PlaneRecord& record, Paths& paths) {
+  if (!record.wall || record.keyframes.empty()) return false;
   Wall wall = *record.wall;
-  open_passages(wall, path);
+  open_passages(wall, paths.since_seen(record));
   return wall.support.empty();
 }
 
@@ -44,15 +66,12 @@ bool is_walked_through(const PlaneRecord& record, const GroundPath& path) {
 
 int drop_passing_planes(Committer& committer, PlaneLayer& planes, bool all) {
   const AssociationParams& params = planes.params.association;
-  std::map<int, GroundPath> paths;
-  for (const auto& [id, record] : planes.map.records()) {
-    if (paths.count(record.storey) == 0) paths.emplace(record.storey, path_on(committer.graph, planes, record.storey));
-  }
+  Paths paths(committer.graph, planes);
   Transaction edit;
   edit.reason = "planes seen in passing";
   std::vector<PlaneId> passing;
   for (const auto& [id, record] : planes.map.records()) {
-    if (record.keyframes.size() <= few_views && is_walked_through(record, paths.at(record.storey))) {
+    if (record.keyframes.size() <= few_views && is_walked_through(record, paths)) {
       edit.remove_variables.emplace_back(id);
       passing.push_back(id);
       committer.note(false, "plane/" + std::to_string(id.value), "dropped: the robot has walked through it");

@@ -17,9 +17,11 @@ void set_storeys(PlaneLayer& planes, std::map<KeyframeId, int> storeys) {
   for (const auto& [id, storey] : moved) planes.map.set_storey(id, storey);
 }
 
-GroundPath path_on(const Graph& graph, const PlaneLayer& planes, int storey) {
+GroundPath path_on(const Graph& graph, const PlaneLayer& planes, int storey, KeyframeId since) {
   std::vector<std::vector<Eigen::Vector2d>> stretches(1);
-  for (const auto& [id, T_map_base] : graph.keyframes()) {
+  for (auto keyframe = graph.keyframes().lower_bound(since); keyframe != graph.keyframes().end(); ++keyframe) {
+    const auto& [id, T_map_base] = *keyframe;
+    if (planes.sessions.count(id) > 0 && !stretches.back().empty()) stretches.emplace_back();
     if (planes.storey_of(id) == storey) {
       stretches.back().emplace_back(T_map_base.translation.head<2>());
     } else if (!stretches.back().empty()) {

@@ -66,7 +66,7 @@ std::string storeys_text(const GraphSnapshot& snapshot) {
 }  // namespace
 
 MapRecorder::MapRecorder(MapStore& store, const StoredMap& known)
-    : store_(store), poses_(known.poses), planes_(known.planes), factors_(known.factors), merges_(known.merges) {
+    : store_(store), poses_(known.poses), planes_(known.planes), factors_(known.factors), merges_(known.merges), retired_(known.retired) {
   for (const auto& [id, view] : known.views) viewed_.insert(id.value);
 }
 
@@ -106,9 +106,10 @@ void MapRecorder::note_planes(const MapView& view, StoreBatch& batch) {
       known->second = {id, *plane, record.plane_class, covariance, record.last_covariance, record.outline};
       batch.planes.push_back(known->second);
     }
+    note_sightings(record, batch);
     std::size_t& written = views_[id];
     const std::size_t size = record.observations.size();
-    if (written == size) continue;
+    if (written == size && !edited) continue;  // an edit may take away as many as have come
     for (std::size_t i = edited ? 0 : std::min(written, size); i < size; ++i) {
       const PlaneObservation& seen = record.observations[i];
       if (viewed_.insert(seen.factor.value).second) batch.views.push_back({seen.factor, seen.keyframe, seen.outline_base});
@@ -117,6 +118,17 @@ void MapRecorder::note_planes(const MapView& view, StoreBatch& batch) {
   }
   batch.removed_planes = gone(planes_, view.graph.planes());
   for (const PlaneId id : batch.removed_planes) views_.erase(id);
+}
+
+// Rows of a plane stay when it is merged into another: that may be undone.
+void MapRecorder::note_sightings(const PlaneRecord& record, StoreBatch& batch) {
+  if (record.retired.empty()) return;
+  KeyframeSet& written = retired_[record.id];
+  if (written == record.retired) return;
+  for (const KeyframeId keyframe : record.retired) {
+    if (written.count(keyframe) == 0) batch.sightings.push_back({record.id, keyframe});
+  }
+  written = record.retired;
 }
 
 void MapRecorder::note_factors(const MapView& view, StoreBatch& batch) {

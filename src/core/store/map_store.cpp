@@ -63,7 +63,8 @@ std::string plane_bytes(const Plane& plane) { return matrix_bytes(Eigen::Vector4
 
 bool StoreBatch::empty() const {
   return keyframes.empty() && clouds_let_go.empty() && poses.empty() && planes.empty() && removed_planes.empty() && views.empty() &&
-         factors.empty() && removed_factors.empty() && merges.empty() && removed_merges.empty() && decisions.empty() && documents.empty();
+         sightings.empty() && factors.empty() && removed_factors.empty() && merges.empty() && removed_merges.empty() && decisions.empty() &&
+         documents.empty();
 }
 
 /// The file and its prepared statements; used by the constructor, then by the thread alone.
@@ -82,7 +83,11 @@ class MapStore::File {
     }
     database_.execute("PRAGMA journal_mode = WAL");
     database_.execute("PRAGMA synchronous = FULL");
-    if (mode == Mode::create) make_schema(database_);
+    if (mode == Mode::create) {
+      make_schema(database_);
+    } else {
+      migrate_schema(database_);
+    }
     statements_.emplace(database_);
   }
 
@@ -115,6 +120,7 @@ class MapStore::File {
           plane(d, "INSERT OR REPLACE INTO planes VALUES(?,?,?,?,?,?)"),
           no_plane(d, "DELETE FROM planes WHERE id = ?"),
           view(d, "INSERT OR REPLACE INTO views VALUES(?,?,?)"),
+          sighting(d, "INSERT OR IGNORE INTO sightings VALUES(?,?)"),
           factor(d, "INSERT OR REPLACE INTO factors VALUES(?,?)"),
           no_factor(d, "DELETE FROM factors WHERE id = ?"),
           no_view(d, "DELETE FROM views WHERE factor = ?"),
@@ -122,7 +128,8 @@ class MapStore::File {
           no_merge(d, "DELETE FROM merges WHERE merged = ?"),
           decision(d, "INSERT INTO decisions(keyframe, accepted, what, reason) VALUES(?,?,?,?)"),
           document(d, "INSERT OR REPLACE INTO documents VALUES(?,?)") {}
-    Statement session, keyframe, cloud, no_cloud, pose, plane, no_plane, view, factor, no_factor, no_view, merge, no_merge, decision, document;
+    Statement session, keyframe, cloud, no_cloud, pose, plane, no_plane, view, sighting, factor, no_factor, no_view, merge, no_merge, decision,
+        document;
   };
 
   void write(const StoreBatch& batch) {
@@ -146,6 +153,7 @@ class MapStore::File {
     for (const PlaneId id : batch.removed_planes) s.no_plane.bind(1, id.value).run();
     for (const StoredView& view : batch.views)
       s.view.bind(1, view.factor.value).bind(2, view.keyframe.value).bind_blob(3, points_bytes(view.extent)).run();
+    for (const StoredSighting& sighting : batch.sightings) s.sighting.bind(1, sighting.plane.value).bind(2, sighting.keyframe.value).run();
     for (const auto& [id, factor] : batch.factors) s.factor.bind(1, id.value).bind(2, factor_to_json(id, factor)).run();
     for (const FactorId id : batch.removed_factors) {
       s.no_factor.bind(1, id.value).run();

@@ -25,13 +25,29 @@ CREATE TABLE decisions(number INTEGER PRIMARY KEY, keyframe INTEGER NOT NULL, ac
 CREATE TABLE documents(name TEXT PRIMARY KEY, value TEXT NOT NULL) WITHOUT ROWID;
 )";
 
+// Schema 2. Until then a plane of a file was of the keyframes only that keep views of it. Which others saw it, such a file does not tell.
+constexpr const char* sightings_table =
+    "CREATE TABLE sightings(plane INTEGER NOT NULL, keyframe INTEGER NOT NULL, PRIMARY KEY(plane, keyframe)) WITHOUT ROWID";
+
+void set_version(Database& database) { database.execute("PRAGMA user_version = " + std::to_string(store_schema)); }
+
 }  // namespace
 
 void make_schema(Database& database) {
   DatabaseTransaction transaction(database);
   database.execute("PRAGMA application_id = " + std::to_string(application_id));
   database.execute(tables);
-  database.execute("PRAGMA user_version = " + std::to_string(store_schema));
+  database.execute(sightings_table);
+  set_version(database);
+  transaction.commit();
+}
+
+void migrate_schema(Database& database) {
+  if (check_schema(database) == store_schema) return;
+  DatabaseTransaction transaction(database);
+  // Another program may have done it since; within the transaction nobody else can.
+  if (check_schema(database) < 2) database.execute(sightings_table);
+  set_version(database);
   transaction.commit();
 }
 

@@ -102,6 +102,11 @@ void read_graph(Database& database, StoredMap& map) {
   });
 }
 
+void read_sightings(Database& database, StoredMap& map) {
+  Statement statement(database, "SELECT plane, keyframe FROM sightings ORDER BY plane, keyframe");
+  while (statement.step()) map.retired[{statement.integer(0)}].insert({statement.integer(1)});
+}
+
 void read_clouds(Database& database, StoredMap& map) {
   Statement statement(database, "SELECT keyframe, data FROM clouds ORDER BY keyframe");
   while (statement.step()) {
@@ -162,7 +167,7 @@ std::map<PlaneId, std::vector<const StoredView*>> views_by_plane(const StoredMap
 
 StoredMap read_map(const std::string& path, Clouds clouds) {
   Database database(path, Access::read);
-  check_schema(database);
+  const int schema = check_schema(database);
   database.execute("BEGIN");  // one state of it, also while it is being written
   StoredMap map;
   map.path = path;
@@ -173,6 +178,7 @@ StoredMap read_map(const std::string& path, Clouds clouds) {
     map.keyframes[keyframe.id] = keyframe;
   });
   read_graph(database, map);
+  if (schema >= 2) read_sightings(database, map);
   each(database, "decisions", "SELECT number, keyframe, accepted, what, reason FROM decisions ORDER BY number", [&](const Statement& row) {
     map.decisions.push_back({{row.integer(1)}, row.integer(2) != 0, row.text(3), row.text(4)});
   });
@@ -205,6 +211,8 @@ GraphSnapshot snapshot_of(const StoredMap& map) {
     scene.extent = plane.extent;
     const auto storey = map.plane_storeys.find(id);
     if (storey != map.plane_storeys.end()) scene.storey = storey->second;
+    const auto retired = map.retired.find(id);
+    if (retired != map.retired.end()) scene.keyframes = retired->second;
     const auto seen = views.find(id);
     if (seen == views.end()) continue;
     for (const StoredView* view : seen->second) {
@@ -274,6 +282,12 @@ std::vector<std::string> check_map(const std::string& path) {
   }
   for (const auto& [id, view] : map.views) {
     if (map.keyframes.count(view.keyframe) == 0) faults.push_back("view " + std::to_string(id.value) + " is of no keyframe");
+  }
+  for (const auto& [id, keyframes] : map.retired) {
+    for (const KeyframeId keyframe : keyframes) {
+      if (map.keyframes.count(keyframe) == 0)
+        faults.push_back("plane " + std::to_string(id.value) + " was seen by keyframe " + std::to_string(keyframe.value) + ", which is not there");
+    }
   }
   const auto known = [&map](const VariableId& variable) {
     if (const auto* keyframe = std::get_if<KeyframeId>(&variable)) return map.poses.count(*keyframe) > 0;

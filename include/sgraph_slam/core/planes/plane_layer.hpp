@@ -1,5 +1,6 @@
 #pragma once
 
+#include <iterator>
 #include <map>
 #include <set>
 
@@ -36,6 +37,14 @@ struct PlaneLayer {
   KeyframeId may_retire;                          ///< the first keyframe of which it hasn't been asked yet
   std::map<KeyframeId, int> storeys;              ///< of the keyframes; those that aren't here are on the first
 
+  std::set<KeyframeId> sessions;  ///< the first keyframe of each, when there are several: nobody walked from one to the next
+
+  /// The first keyframe of a keyframe's session; one before all when there is but one.
+  [[nodiscard]] KeyframeId session_of(KeyframeId id) const {
+    const auto after = sessions.upper_bound(id);
+    return after == sessions.begin() ? KeyframeId{} : *std::prev(after);
+  }
+
   [[nodiscard]] int storey_of(KeyframeId id) const {
     const auto known = storeys.find(id);
     return known == storeys.end() ? 0 : known->second;
@@ -52,7 +61,7 @@ struct PlaneLayer {
 /// Takes over on which storeys the keyframes are, and puts each plane on the one from which it was seen most; the lower number when there are two.
 void set_storeys(PlaneLayer& planes, std::map<KeyframeId, int> storeys);
 
-/// The robot's path on a storey.
-GroundPath path_on(const Graph& graph, const PlaneLayer& planes, int storey);
+/// The robot's path on a storey, from a keyframe on.
+GroundPath path_on(const Graph& graph, const PlaneLayer& planes, int storey, KeyframeId since = {});
 
 }  // namespace sgraph

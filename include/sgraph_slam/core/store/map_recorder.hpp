@@ -23,6 +23,7 @@ class MapRecorder : public MapObserver {
  private:
   void note_poses(const MapView& view, StoreBatch& batch);
   void note_planes(const MapView& view, StoreBatch& batch);
+  void note_sightings(const PlaneRecord& record, StoreBatch& batch);
   void note_factors(const MapView& view, StoreBatch& batch);
   void compare_factors(const std::map<FactorId, Factor>& now, StoreBatch& batch);
   void note_documents(const MapView& view, bool whole, StoreBatch& batch);
@@ -35,6 +36,7 @@ class MapRecorder : public MapObserver {
   std::map<PlaneId, MergeRecord> merges_;
   std::map<PlaneId, std::size_t> views_;     ///< written of each plane
   std::unordered_set<std::int64_t> viewed_;  ///< factors of the views written; asked for all of them after each edit
+  std::map<PlaneId, KeyframeSet> retired_;   ///< as StoredMap::retired
   std::int64_t factors_edited_ = -1;         ///< as the graph counts
   std::map<std::string, std::string> documents_;
   std::size_t decisions_ = 0;

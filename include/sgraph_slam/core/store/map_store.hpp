@@ -21,7 +21,7 @@
 namespace sgraph {
 
 /// The schema that this program writes; it reads all older ones.
-constexpr int store_schema = 1;
+constexpr int store_schema = 2;
 
 /// One recording, or one time that the robot was switched on, in a map.
 struct StoredSession {
@@ -53,6 +53,12 @@ struct StoredView {
   std::vector<Eigen::Vector3d> extent;  ///< in the keyframe's base frame
 };
 
+/// A keyframe that saw a plane and keeps no view of it: it has been retired.
+struct StoredSighting {
+  PlaneId plane;
+  KeyframeId keyframe;
+};
+
 /// What has changed in a map: written as a whole or not at all.
 struct StoreBatch {
   std::vector<Keyframe> keyframes;  ///< new ones, with their clouds
@@ -61,6 +67,7 @@ struct StoreBatch {
   std::vector<StoredPlane> planes;
   std::vector<PlaneId> removed_planes;
   std::vector<StoredView> views;
+  std::vector<StoredSighting> sightings;
   std::map<FactorId, Factor> factors;
   std::vector<FactorId> removed_factors;
   std::map<PlaneId, MergeRecord> merges;

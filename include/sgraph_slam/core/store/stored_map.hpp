@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "sgraph_slam/core/store/map_store.hpp"
+#include "sgraph_slam/core/types/keyframe_set.hpp"
 
 namespace sgraph {
 
@@ -18,6 +19,7 @@ struct StoredMap {
   std::map<KeyframeId, Pose> poses;  ///< estimates, map frame
   std::map<PlaneId, StoredPlane> planes;
   std::map<FactorId, StoredView> views;
+  std::map<PlaneId, KeyframeSet> retired;  ///< by plane, also one that was merged away: keyframes that saw it and keep no view of it
   std::map<FactorId, Factor> factors;
   std::map<PlaneId, MergeRecord> merges;
   std::array<std::int64_t, 4> next_ids{};  ///< as GraphParts::next
