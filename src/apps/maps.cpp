@@ -34,9 +34,7 @@ void show_changes(const std::string& path) {
     if (id == map.sessions.begin()->first) continue;
     const std::vector<MapChange> changes = changes_of(map, id);
     std::printf("  session %lld: %zu changes\n", static_cast<long long>(id), changes.size());
-    for (const MapChange& change : changes) {
-      std::printf("    %s: %.1f m at (%.1f, %.1f)\n", change.appeared ? "new" : "gone", change.length, change.center.x(), change.center.y());
-    }
+    for (const MapChange& change : changes) std::printf("    %s\n", to_string(change).c_str());
   }
 }
 
@@ -210,7 +208,8 @@ int main_of_maps(int argc, char** argv) {
   CLI::App* checking = app.add_subcommand("check", "Whether the files are whole; exit status 1 when one is not");
   CLI::App* exporting = app.add_subcommand("export", "Write the files of a run folder: graph, clouds, grid, plans, trajectory");
   bool changes = false;
-  info->add_flag("--changes", changes, "What each session found otherwise than those before it: walls, doors and large furniture new or gone");
+  info->add_flag("--changes", changes,
+                 "What each session found otherwise than those before it: walls new or gone, doors closed or opened, furniture moved");
   for (CLI::App* command : {info, checking}) command->add_option("FILE", files, "Map files")->required();
   exporting->add_option("FILE", files, "Map file")->required()->expected(1);
   CLI::App* merging = app.add_subcommand("merge", "Join maps of one building; sessions of another are left out, exit status 1");

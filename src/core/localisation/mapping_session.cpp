@@ -5,6 +5,8 @@
 #include <stdexcept>
 #include <utility>
 
+#include "sgraph_slam/core/io/temporary_clouds.hpp"
+
 namespace sgraph {
 namespace {
 
@@ -52,9 +54,10 @@ MappingSession::~MappingSession() = default;
 
 GraphSnapshotPtr MappingSession::process(const Keyframe& keyframe, const PlaneSegments& segments) {
   if (!start_.map) return back_end_->process(keyframe, segments);
-  const LocatedKeyframe seen{keyframe, segments};
+  LocatedKeyframe seen{keyframe, segments};
+  if (localiser_) wait_with(seen);
+  seen.keyframe.cloud.reset();  // what follows compares planes
   if (localiser_) {
-    before_.push_back(seen);
     const Localisation& answer = localiser_->add(seen);
     if (answer.result == LocalisationResult::found) {
       place(answer);
@@ -64,6 +67,17 @@ GraphSnapshotPtr MappingSession::process(const Keyframe& keyframe, const PlaneSe
     return back_end_->process(keyframe, segments);
   }
   return tracker_ ? track(seen) : back_end_->process(keyframe, segments);
+}
+
+void MappingSession::wait_with(LocatedKeyframe seen) {
+  if (start_.mode == MapMode::localize) {  // nothing is mapped
+    seen.keyframe.cloud.reset();
+  } else if (clouds_ && seen.keyframe.cloud) {
+    if (!before_clouds_) before_clouds_ = std::make_shared<TemporaryClouds>();
+    before_clouds_->put(seen.keyframe.id, seen.keyframe.cloud);
+    seen.keyframe.cloud.reset();
+  }
+  before_.push_back(std::move(seen));
 }
 
 void MappingSession::place(Localisation found) {
@@ -85,7 +99,12 @@ void MappingSession::place(Localisation found) {
   first_ = {kept.keyframes.rbegin()->first.value + 1};
   back_end_->go_on_with(std::move(kept), found_->T_map_odom, start_covariance());
   back_end_->observe(observer_);
-  for (const LocatedKeyframe& seen : all) back_end_->process(seen.keyframe, seen.segments);
+  for (LocatedKeyframe& seen : all) {
+    if (before_clouds_ && !seen.keyframe.cloud) seen.keyframe.cloud = before_clouds_->get(seen.keyframe.id);
+    back_end_->process(seen.keyframe, seen.segments);
+    seen.keyframe.cloud.reset();
+  }
+  before_clouds_.reset();
 }
 
 GraphSnapshotPtr MappingSession::track(const LocatedKeyframe& seen) {

@@ -15,14 +15,13 @@ constexpr double floor_reach = 0.5;  // [m] beside what has been seen of a floor
 
 Pose turn(const Eigen::Quaterniond& q) { return {q, Eigen::Vector3d::Zero()}; }
 
-Layout map_layout(const GraphSnapshot& snapshot, const Eigen::Quaterniond& level, const Pose& T_base_lidar,
-                  const std::function<bool(KeyframeId)>& wanted) {
+Layout map_layout(const GraphSnapshot& snapshot, const Eigen::Quaterniond& level, const Pose& T_base_lidar) {
   LayoutBuilder builder(level, T_base_lidar);
   for (const auto& [id, scene] : snapshot.planes) {
     std::vector<LayoutBuilder::View> views;
     for (const SceneObservation& seen : scene.observations) {
       const auto keyframe = snapshot.keyframes.find(seen.keyframe);
-      if (keyframe != snapshot.keyframes.end() && wanted(seen.keyframe)) views.push_back({keyframe->second.T_map_base, &seen.extent});
+      if (keyframe != snapshot.keyframes.end()) views.push_back({keyframe->second.T_map_base, &seen.extent});
     }
     builder.add_plane(id, scene.plane, views);
   }
@@ -55,14 +54,10 @@ std::vector<SeenFloor> floors_of(const LocatedKeyframe& seen, const Pose& T_leve
 }  // namespace
 
 ReferenceMap::ReferenceMap(const GraphSnapshot& snapshot, const Pose& T_base_lidar)
-    : level_(map_level(snapshot)), search_(map_layout(snapshot, level_, T_base_lidar, [](KeyframeId) { return true; })) {
+    : level_(map_level(snapshot)), search_(map_layout(snapshot, level_, T_base_lidar)) {
   for (const auto& [id, scene] : snapshot.planes) faces_.push_back({id, scene.plane, scene.covariance, scene.extent});
   for (const auto& [id, keyframe] : snapshot.keyframes) keyframes_.push_back(level_ * keyframe.T_map_base.translation);
   if (!snapshot.keyframes.empty()) first_pose_ = snapshot.keyframes.begin()->second.T_map_base;
-}
-
-Layout layout_of(const GraphSnapshot& snapshot, const Pose& T_base_lidar, const std::function<bool(KeyframeId)>& wanted) {
-  return map_layout(snapshot, map_level(snapshot), T_base_lidar, wanted);
 }
 
 double ReferenceMap::base_height(const Eigen::Vector2d& at_level) const {

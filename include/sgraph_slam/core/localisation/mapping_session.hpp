@@ -62,6 +62,7 @@ class MappingSession {
   void search_again(const std::optional<Pose>& near);
 
  private:
+  void wait_with(LocatedKeyframe seen);
   void place(Localisation found);  // a copy: the search that gave it ends
   GraphSnapshotPtr track(const LocatedKeyframe& seen);
 
@@ -74,7 +75,8 @@ class MappingSession {
   std::unique_ptr<BackEnd> back_end_;
   std::unique_ptr<Localiser> localiser_;
   std::unique_ptr<MapTracker> tracker_;
-  std::vector<LocatedKeyframe> before_;  // keyframes until the place was known
+  std::vector<LocatedKeyframe> before_;            // keyframes until the place was known, without their clouds
+  std::shared_ptr<KeyframeClouds> before_clouds_;  // those: a search may last for hours, and a building's clouds don't fit into memory
   std::optional<Localisation> found_;
   bool placed_ = false;
   KeyframeId first_{0};  // keyframe of the back end's map that this session began with

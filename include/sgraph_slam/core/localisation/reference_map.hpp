@@ -1,6 +1,5 @@
 #pragma once
 
-#include <functional>
 #include <map>
 #include <optional>
 #include <vector>
@@ -50,9 +49,6 @@ class ReferenceMap {
   Pose first_pose_;
   PlaceSearch search_;
 };
-
-/// Walls and free space of a map in its level frame, as those keyframes saw them that are asked for. `snapshot`: with the views of its planes.
-Layout layout_of(const GraphSnapshot& snapshot, const Pose& T_base_lidar, const std::function<bool(KeyframeId)>& wanted);
 
 /// What a robot has seen lately, from above: the walls and free space of these keyframes in its odometry's level frame.
 struct Surroundings {
