@@ -97,8 +97,8 @@ struct MergeParams {
   double chi_square = 7.81;
   double max_angle = 0.0873;
   double max_distance = 0.4;
-  double sigma_angle = 0.006;
-  double sigma_distance = 0.01;
+  double sigma_angle = 0;
+  double sigma_distance = 0;
   double max_growth = 2.0;
   double max_error = 3.0;
 
@@ -109,7 +109,8 @@ struct MergeParams {
     v.field("chi_square", chi_square, "", {1, 100}, "Largest squared Mahalanobis distance between the two, 3 degrees of freedom.");
     v.field("max_angle", max_angle, "rad", {0.001, 0.5}, "Largest angle between their normals.");
     v.field("max_distance", max_distance, "m", {0.01, 10}, "Largest distance between them, however uncertain they are.");
-    v.field("sigma_angle", sigma_angle, "rad", {0, 0.2}, "Standard deviation added to the angle in the gate.");
+    v.field("sigma_angle", sigma_angle, "rad", {0, 0.2},
+            "Standard deviation added to the angle in the gate. What the gate forgives, the merged plane presses out of the poses.");
     v.field("sigma_distance", sigma_distance, "m", {0, 0.5}, "Standard deviation added to the distance in the gate.");
     v.field("max_growth", max_growth, "", {1, 100},
             "A merge is undone when the mean chi-square of the observations grows by more than this factor ...");
