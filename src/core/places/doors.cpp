@@ -15,6 +15,7 @@ constexpr double same_door = 0.6;     // gaps of the two faces of a wall [m]
 constexpr double raster_loss = 0.1;   // both jambs' cells count as wall: the raster shows a door narrower by this, for cells of 5 cm [m]
 constexpr double jamb_search = 0.2;   // around the raster's jamb [m]
 constexpr double from_faces = 0.03;   // what is nearer to a face of the wall is the face, not the jamb [m]
+constexpr double thinnest = 0.1;      // a wall of less than this has no jamb that could be told from its faces [m]
 constexpr std::size_t least_points = 6;
 constexpr double usual_thickness = 0.15;  // of a wall of which one face is known [m]
 constexpr double lowest_lintel = 1.85;
@@ -121,8 +122,12 @@ void measure_door(const FreeSpace& space, FoundDoor& door) {
     if (z > lowest_lintel && z < highest_lintel && std::abs(t) < 0.5 * door.depth + from_faces && std::abs(s) < half - 0.1) lintel.push_back(z);
   }
   if (low.size() >= least_points && high.size() >= least_points) {
-    const double a = upper_median(low);
-    const double b = upper_median(high);
+    // A pane has no jambs, its points lie along it: it ends where they do, but for a few strays.
+    const bool thin = door.depth < thinnest;
+    std::sort(low.begin(), low.end());
+    std::sort(high.begin(), high.end());
+    const double a = thin ? low[low.size() - 1 - low.size() / 20] : upper_median(low);
+    const double b = thin ? high[high.size() / 20] : upper_median(high);
     door.position += 0.5 * (a + b) * along;
     door.width = b - a;
   }

@@ -388,6 +388,22 @@ TEST(FindPlaces, APaneWithinTheThicknessOfAWallIsNoDoor) {
   EXPECT_NEAR(found.doors[0].position.y(), 4.45, 0.1);
 }
 
+TEST(FindPlaces, ADoorInAPaneIsAsWideAsWhereThePaneEnds) {
+  ScannedPlan scanned;
+  scanned.face({{0, 0}, {10, 0}, {10, 10}, {0, 10}});
+  const std::size_t first = scanned.plan.walls.size();
+  scanned.plan.add({0, 6}, {10, 6}, {{6, 7}});
+  scanned.plan.add({10, 6}, {0, 6}, {{3, 4}});
+  scanned.panes = {first, first + 1};
+  scanned.walk({{1, 4.5}, {9.5, 4.5}, {1, 4.5}, {6.5, 4.5}, {6.5, 8}, {1, 8}, {9, 8}});
+  FoundPlaces found = found_in(scanned);
+  ASSERT_EQ(found.places.size(), 2U);
+  ASSERT_EQ(found.doors.size(), 1U);
+  measure_door(scanned.space, found.doors[0]);
+  EXPECT_NEAR(found.doors[0].width, 1.0, 0.05);
+  EXPECT_NEAR(found.doors[0].position.x(), 6.5, 0.05);
+}
+
 TEST(FindPlaces, AFewHitsInAnOpenDoorAreNoPane) {
   ScannedPlan scanned;
   scanned.face({{0, 0}, {12, 0}, {12, 2}, {0, 2}}, {{}, {}, {{5, 6}}});
