@@ -395,7 +395,7 @@ TEST(FindPlaces, ADoorInAPaneIsAsWideAsWhereThePaneEnds) {
   scanned.plan.add({0, 6}, {10, 6}, {{6, 7}});
   scanned.plan.add({10, 6}, {0, 6}, {{3, 4}});
   scanned.panes = {first, first + 1};
-  scanned.walk({{1, 4.5}, {9.5, 4.5}, {1, 4.5}, {6.5, 4.5}, {6.5, 8}, {1, 8}, {9, 8}});
+  scanned.walk({{0.3, 4.5}, {9.7, 4.5}, {0.3, 4.5}, {6.5, 4.5}, {6.5, 8}, {0.3, 8}, {9.7, 8}});
   FoundPlaces found = found_in(scanned);
   ASSERT_EQ(found.places.size(), 2U);
   ASSERT_EQ(found.doors.size(), 1U);
