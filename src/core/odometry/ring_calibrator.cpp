@@ -19,7 +19,6 @@ constexpr double degree = M_PI / 180;
 constexpr double range_prior = 0.01;               // [m]
 constexpr double elevation_prior = 0.05 * degree;  // [rad]
 constexpr double mean_sigma = 1e-4;                // [m] of the mean of the range offsets, which is zero by definition
-constexpr double shared_sigma = 1e-3 * degree;     // [rad] of the mean of the elevations, which the data doesn't hold
 // A calibration is good for one mounting and temperature; from month to month offsets wander by a few millimetres (Chio 2022).
 constexpr double kept_range_sigma = 0.003;              // [m]
 constexpr double kept_elevation_sigma = 0.02 * degree;  // [rad]
@@ -64,11 +63,6 @@ constexpr int shown_scans = 20;  // in which the beams must show
 // A sensor without errors comes out with offsets of 0.7 to 1.4 mm (rms), whatever their standard deviations say: texture, edges, and what elevations
 // take for themselves. Offsets are taken out when they are so large that this can't be more than a quarter of their variance.
 constexpr double own_error = 0.0015;  // [m]
-
-// With all beams higher by the same angle every wall leans by it and every floor is a flat cone, and the errors of an odometry's poses make such
-// floors too: three simulated units came out 0.02 to 0.03 degrees too high on all beams, one of them with all of its true errors taken out of the
-// scans before. So what all beams share isn't asked of the data, and what is left is off by this (rms).
-constexpr double own_elevation_error = 0.025 * degree;  // [rad]
 
 std::array<int, 3> cell_of(const Eigen::Vector3d& p) {
   const Eigen::Vector3d at = (p / plane_radius).array().floor();
@@ -344,10 +338,6 @@ void RingCalibrator::solve() {
     h.noalias() -= plane.cross * inverse * plane.cross.transpose();
     b -= plane.cross * (inverse * plane.b);
   }
-  Eigen::VectorXd shared = Eigen::VectorXd::Zero(unknowns());  // by what the data holds of each: beams near the horizon see no floor
-  shared.segment(rings_, rings_) = h.diagonal().segment(rings_, rings_).cwiseMax(0);
-  if (shared.sum() > 0) shared /= shared.sum();
-  h += shared * shared.transpose() / (shared_sigma * shared_sigma);
   h.diagonal() += prior_weight_;
   b += prior_weight_.cwiseProduct(prior_mean_);
   Eigen::VectorXd mean = Eigen::VectorXd::Zero(unknowns());
@@ -392,11 +382,11 @@ void RingCalibrator::solve() {
     beam.range_offset = x[ring];
     beam.range_sigma = sigma[ring];
     beam.elevation_offset = x[rings_ + ring];
-    beam.elevation_sigma = std::hypot(sigma[rings_ + ring], own_elevation_error);
+    beam.elevation_sigma = sigma[rings_ + ring];
     if (scans_ < least_scans) continue;
     beam.range_applied = beam.range_applied || (errs && sigma[ring] < params_.range_sigma);
     // Until it is known whether the vertical offsets are lacking, the elevations make up for them, right at one distance only.
-    beam.elevation_applied = beam.elevation_applied || (vertical_settled_ && beam.elevation_sigma < params_.elevation_sigma * degree);
+    beam.elevation_applied = beam.elevation_applied || (vertical_settled_ && sigma[rings_ + ring] < params_.elevation_sigma * degree);
   }
   calibration->vertical_share = vertical_share_;
   calibration->vertical_sigma = vertical_sigma_;
