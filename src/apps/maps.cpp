@@ -250,6 +250,11 @@ int main_of_maps(int argc, char** argv) {
 }  // namespace sgraph
 
 int main(int argc, char** argv) {
-  sgraph::return_freed_memory();
-  return sgraph::main_of_maps(argc, argv);
+  try {
+    sgraph::return_freed_memory();
+    return sgraph::main_of_maps(argc, argv);
+  } catch (...) {  // from what is done before arguments are read
+    std::fputs("maps: cannot start\n", stderr);
+    return 1;
+  }
 }

@@ -64,6 +64,9 @@ constexpr int shown_scans = 20;  // in which the beams must show
 // take for themselves. Offsets are taken out when they are so large that this can't be more than a quarter of their variance.
 constexpr double own_error = 0.0015;  // [m]
 
+// The errors of an odometry's poses lift all beams alike by this much in three simulated units (docs/sensors.md).
+constexpr double own_elevation_error = 0.025 * degree;  // [rad]
+
 std::array<int, 3> cell_of(const Eigen::Vector3d& p) {
   const Eigen::Vector3d at = (p / plane_radius).array().floor();
   return {static_cast<int>(at.x()), static_cast<int>(at.y()), static_cast<int>(at.z())};
@@ -382,11 +385,11 @@ void RingCalibrator::solve() {
     beam.range_offset = x[ring];
     beam.range_sigma = sigma[ring];
     beam.elevation_offset = x[rings_ + ring];
-    beam.elevation_sigma = sigma[rings_ + ring];
+    beam.elevation_sigma = std::hypot(sigma[rings_ + ring], own_elevation_error);
     if (scans_ < least_scans) continue;
     beam.range_applied = beam.range_applied || (errs && sigma[ring] < params_.range_sigma);
     // Until it is known whether the vertical offsets are lacking, the elevations make up for them, right at one distance only.
-    beam.elevation_applied = beam.elevation_applied || (vertical_settled_ && sigma[rings_ + ring] < params_.elevation_sigma * degree);
+    beam.elevation_applied = beam.elevation_applied || (vertical_settled_ && beam.elevation_sigma < params_.elevation_sigma * degree);
   }
   calibration->vertical_share = vertical_share_;
   calibration->vertical_sigma = vertical_sigma_;

@@ -328,7 +328,7 @@ std::string set_aside(const std::string& path) {
   const fs::path file(path);
   auto earlier = set_aside_before(file);
   const int number = earlier.empty() ? 1 : earlier.rbegin()->first + 1;
-  const std::string target =
+  std::string target =
       (file.parent_path() / file.stem()).string() + ".before" + (number > 1 ? '-' + std::to_string(number) : "") + file.extension().string();
   try {  // The log of a program that was killed goes into the file first.
     Database(path, Access::write).execute("PRAGMA wal_checkpoint(TRUNCATE)");
